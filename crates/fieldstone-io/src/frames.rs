@@ -1,0 +1,22 @@
+//! Frames of particles, read one at a time.
+
+use fieldstone_particles::Particles;
+
+use crate::IoError;
+
+/// A file of particle frames that is read from front to back, one frame in memory at a time.
+pub trait FrameReader {
+    /// The next frame; `None` after the last.
+    ///
+    /// # Errors
+    /// [`IoError`] with the line or byte where the content stops making sense.
+    fn next_frame(&mut self) -> Result<Option<Particles>, IoError>;
+
+    /// Passes over the next frame, checking no more of it than is needed to find its end; `false` after the last.
+    ///
+    /// # Errors
+    /// As [`FrameReader::next_frame`].
+    fn skip_frame(&mut self) -> Result<bool, IoError> {
+        Ok(self.next_frame()?.is_some())
+    }
+}

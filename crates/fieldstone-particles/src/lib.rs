@@ -1,0 +1,15 @@
+//! Particle sets and the boxes that they live in.
+//!
+//! [`Particles`] is a structure of arrays: positions, radii where the source has them, and any number of
+//! named [`Quantity`] columns. A [`Domain`] is the simulation box with its periodic directions; it wraps
+//! positions and lists the periodic images of a ball that reach back into the box.
+//!
+//! Units are the user's: nothing in this crate assumes SI, and nothing mixes two lengths of different units.
+
+mod domain;
+mod error;
+mod particles;
+
+pub use domain::{Domain, Images};
+pub use error::ParticlesError;
+pub use particles::{Particles, Quantity};
