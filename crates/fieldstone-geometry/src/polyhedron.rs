@@ -128,6 +128,7 @@ pub struct Polyhedron {
     pub(crate) piece_corners: Vec<u32>,
     face_areas: Vec<f64>,
     volume: f64,
+    volume_error: f64,
     low: DVec3,
     high: DVec3,
     convex: bool,
@@ -247,6 +248,7 @@ impl Polyhedron {
             piece_corners: Vec::new(),
             face_areas: vec![0.0; faces.len()],
             volume: 0.0,
+            volume_error: 0.0,
             low,
             high,
             convex: true,
@@ -255,7 +257,8 @@ impl Polyhedron {
         for (face, ring) in faces.iter().enumerate() {
             this.push_face(face, ring, size);
         }
-        let volume = this.signed_volume();
+        let (volume, magnitude) = this.signed_volume();
+        this.volume_error = 4.0 * f64::EPSILON * magnitude;
         // Below a few units of the last digit of the cube around it, nothing is left of a volume but rounding.
         if volume.abs() <= 4.0 * f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
             return Err(ElementError::NoVolume { kind, volume, size });
@@ -305,18 +308,21 @@ impl Polyhedron {
         }
     }
 
-    fn signed_volume(&self) -> f64 {
+    /// The volume, and the sum of the magnitudes that were added for it.
+    fn signed_volume(&self) -> (f64, f64) {
         // About the middle of the box, so that a far offset costs no digits.
         let origin = 0.5 * (self.low + self.high);
-        let mut sum = 0.0;
+        let (mut sum, mut magnitude) = (0.0, 0.0);
         for (_, corners) in self.rings() {
             let apex = self.vertices[corners[0] as usize] - origin;
             for pair in corners[1..].windows(2) {
                 let (a, b) = (self.vertices[pair[0] as usize] - origin, self.vertices[pair[1] as usize] - origin);
-                sum += apex.dot((a - apex).cross(b - apex));
+                let normal = (a - apex).cross(b - apex);
+                sum += apex.dot(normal);
+                magnitude += apex.length() * (a - apex).length() * (b - apex).length();
             }
         }
-        sum / 6.0
+        (sum / 6.0, magnitude / 6.0)
     }
 
     fn is_convex_within(&self, tolerance: f64) -> bool {
@@ -355,6 +361,11 @@ impl Polyhedron {
     #[inline]
     pub fn volume(&self) -> f64 {
         self.volume
+    }
+
+    /// Rounding error that the volume may have: flat elements have few correct digits.
+    pub(crate) fn volume_error(&self) -> f64 {
+        self.volume_error
     }
 
     /// Area of each face, in the order of [`ElementKind::faces`] or of the faces given.
