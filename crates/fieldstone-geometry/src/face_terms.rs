@@ -162,6 +162,15 @@ fn outside_piece<R: Real>(d: R, h: R, a: EdgePoint<R>, b: EdgePoint<R>) -> (R, R
     (phi, g)
 }
 
+/// Solid angle under which the origin sees a planar polygon, positive where it looks at the polygon's back.
+///
+/// Around a point inside a closed polyhedron the faces add up to 4π, around one outside to 0, and around one on
+/// a face to 2π: a face seen edge-on counts 0. Source: the uncut case of [`face_terms`].
+pub fn polygon_solid_angle<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> R {
+    let distance = normal.dot(corners[0]);
+    if distance == R::from_f64(0.0) { distance } else { uncut_solid_angle(normal, distance, corners) }
+}
+
 /// Solid angle of a polygon whose plane misses the ball, with the sign of `d`.
 fn uncut_solid_angle<R: Real>(normal: Vector<R>, d: R, corners: &[Vector<R>]) -> R {
     let zero = R::from_f64(0.0);

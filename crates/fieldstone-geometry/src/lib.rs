@@ -7,6 +7,7 @@
 //! All lengths are in one unit of the user's choice; nothing depends on which.
 
 mod ball;
+mod corner_volume;
 mod element;
 mod face_terms;
 mod overlap;
@@ -16,8 +17,9 @@ mod real;
 mod vector;
 
 pub use ball::{Ball, BallError};
+pub use corner_volume::corner_volume;
 pub use element::{CornerOrder, ElementKind};
-pub use face_terms::{FaceTerms, face_terms};
+pub use face_terms::{FaceTerms, face_terms, polygon_solid_angle};
 pub use overlap::{Overlap, error_estimate, overlap, overlap_volume, volume_from_terms};
 pub use polygon::{polygon_area_vector, polygon_centroid, polygon_warp};
 pub use polyhedron::{ElementError, Orientation, PLANARITY, Polyhedron};
