@@ -7,6 +7,7 @@ mod atomic_file;
 mod data_array;
 mod error;
 mod frames;
+mod gmsh;
 pub mod openfoam;
 pub mod source;
 
@@ -14,3 +15,4 @@ pub use atomic_file::AtomicFile;
 pub use data_array::{DataArray, Values};
 pub use error::{IoError, Position};
 pub use frames::FrameReader;
+pub use gmsh::read_gmsh;

@@ -271,7 +271,7 @@ fn internal_faces_first(parts: &mut MeshParts) -> Option<Vec<u32>> {
     let mut sorted = MeshParts::default();
     for (new, &old) in order.iter().enumerate() {
         position[old] = new as u32;
-        sorted.face_points.extend_from_slice(corners_of(parts, old));
+        sorted.face_points.extend_from_slice(parts.face(old));
         sorted.face_ends.push(sorted.face_points.len());
         sorted.owner.push(parts.owner[old]);
         if new < internal {
@@ -283,10 +283,4 @@ fn internal_faces_first(parts: &mut MeshParts) -> Option<Vec<u32>> {
     parts.owner = sorted.owner;
     parts.neighbour = sorted.neighbour;
     Some(position)
-}
-
-/// Corners of one face.
-pub(super) fn corners_of(parts: &MeshParts, face: usize) -> &[u32] {
-    let start = if face == 0 { 0 } else { parts.face_ends[face - 1] };
-    &parts.face_points[start..parts.face_ends[face]]
 }
