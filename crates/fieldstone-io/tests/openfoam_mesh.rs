@@ -91,10 +91,10 @@ fn zones_hold_the_cells_that_gmsh_put_there() {
     let Some(case) = extended("openfoam/gmfoam") else { return };
     let mesh = read_poly_mesh(&case).unwrap();
     let zones = &mesh.parts().zones;
-    assert_eq!(zones.iter().map(|z| (z.name.as_str(), z.cells.len())).collect::<Vec<_>>(), [
-        ("core", 7126),
-        ("boundary_layer", 3840)
-    ]);
+    assert_eq!(
+        zones.iter().map(|z| (z.name.as_str(), z.cells.len())).collect::<Vec<_>>(),
+        [("core", 7126), ("boundary_layer", 3840)]
+    );
     let text = read_text(&case.join("constant/polyMesh/cellZones"));
     let last = text.lines().rev().find_map(|l| l.trim().parse::<u32>().ok()).unwrap();
     assert_eq!(zones[1].cells.last(), Some(&last));
@@ -120,7 +120,8 @@ struct Encoder {
 
 impl Encoder {
     fn new(style: Style, class: &str) -> Self {
-        let (format, order) = (if style.binary { "binary" } else { "ascii" }, if style.big_endian { "MSB" } else { "LSB" });
+        let (format, order) =
+            (if style.binary { "binary" } else { "ascii" }, if style.big_endian { "MSB" } else { "LSB" });
         let arch = format!("{order};label={};scalar=64", 8 * style.label);
         let head = format!("FoamFile\n{{\n format {format};\n arch \"{arch}\";\n class {class};\n}}\n// * * //\n\n");
         Self { style, out: head.into_bytes() }
@@ -451,7 +452,7 @@ fn a_truncated_file_is_named_with_what_it_holds() {
 #[test]
 fn a_wrong_count_is_named_with_the_right_one() {
     let e = refusal("owner", "5(0 0 0 0)\n");
-    assert!(e.starts_with("owner:2: the list of owner announces 5 entries but holds 4\n"), "{e}");
+    assert!(e.starts_with("owner:2: the list of owner cells announces 5 entries but holds 4\n"), "{e}");
     let e = refusal("owner", "3(0 0 0)\n");
     assert!(e.starts_with("owner: owner has 3 entries, but the mesh has 4 faces\n"), "{e}");
     let e = refusal("neighbour", "5{1}\n");

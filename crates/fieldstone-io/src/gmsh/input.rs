@@ -50,11 +50,18 @@ impl Input {
             Position::Byte(at as u64)
         } else {
             let before = &self.bytes[..at.min(self.bytes.len())];
-            // The place reached is often just behind the end of the line that is meant.
-            let before = before.trim_ascii_end();
             Position::Line(1 + before.iter().filter(|&&b| b == b'\n').count() as u64)
         };
         IoError::content(&self.path, position, found, remedy)
+    }
+
+    /// The place of the next number; in text, behind the white space in front of it.
+    pub(super) fn start(&mut self) -> usize {
+        if self.binary.is_none() {
+            let rest = self.rest();
+            self.at += rest.len() - rest.trim_ascii_start().len();
+        }
+        self.at
     }
 
     fn unexpected(&self, expected: &str) -> IoError {
@@ -172,9 +179,7 @@ impl Input {
     }
 
     fn token(&mut self) -> &[u8] {
-        let rest = self.rest();
-        let blank = rest.len() - rest.trim_ascii_start().len();
-        self.at += blank;
+        self.start();
         let rest = self.rest();
         &rest[..rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len())]
     }
@@ -239,14 +244,14 @@ impl Input {
 
     /// A count stored as `int`.
     pub(super) fn count(&mut self, what: &str) -> Result<usize, IoError> {
-        let start = self.at;
+        let start = self.start();
         let value = self.integer()?;
         self.checked_count(start, value, what)
     }
 
     /// A count stored as `size_t`.
     pub(super) fn size_count(&mut self, what: &str) -> Result<usize, IoError> {
-        let start = self.at;
+        let start = self.start();
         let value = self.size()?;
         self.checked_count(start, value, what)
     }

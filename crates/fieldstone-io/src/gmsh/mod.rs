@@ -151,7 +151,7 @@ fn read_format(input: &mut Input) -> Result<Version, IoError> {
             "give a mesh that Gmsh saved as 'Version 4 ASCII/Binary' or 'Version 2 ASCII/Binary'",
         ));
     }
-    let start = input.at;
+    let start = input.start();
     let (number, binary, width) = (input.real()?, input.integer()?, input.integer()?);
     let version = if (2.0..3.0).contains(&number) {
         Version::V2

@@ -30,7 +30,7 @@ pub(super) fn read_elements(input: &mut Input, content: &mut Content) -> Result<
     let mut last = None;
     let mut done = 0;
     while done < count {
-        let start = input.at;
+        let start = input.start();
         // In text each element states its type and tags; in binary, a head states them for several.
         let mut element = if input.is_binary() { 0 } else { input.integer()? };
         let kind = input.integer()?;

@@ -87,7 +87,7 @@ pub(super) fn read_elements(input: &mut Input, content: &mut Content) -> Result<
     input.size()?;
     let mut done = 0;
     for _ in 0..blocks {
-        let start = input.at;
+        let start = input.start();
         input.integer()?;
         let entity = input.integer()?;
         let kind = input.integer()?;

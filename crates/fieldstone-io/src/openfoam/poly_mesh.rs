@@ -234,7 +234,7 @@ fn read_cells(path: &Path, name: &str, faces: usize, may_be_none: bool) -> Resul
     // Every cell has a face, and a face has at most two cells: an index above that would cost memory for nothing.
     let limit = faces.saturating_mul(2);
     let mut cells = Vec::new();
-    Stream::open(path)?.each(name, faces, |face, cell: u32| {
+    Stream::open(path)?.each(&format!("{name} cells"), faces, |face, cell: u32| {
         if cell == NO_LABEL && !may_be_none {
             return Err(Complaint {
                 found: format!("face {face} has owner -1"),
