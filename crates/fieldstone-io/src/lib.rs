@@ -7,6 +7,7 @@ mod atomic_file;
 mod data_array;
 mod error;
 mod frames;
+pub mod openfoam;
 pub mod source;
 
 pub use atomic_file::AtomicFile;
