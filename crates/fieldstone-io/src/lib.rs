@@ -8,6 +8,7 @@ mod data_array;
 mod error;
 mod frames;
 pub mod source;
+pub mod vtk;
 
 pub use atomic_file::AtomicFile;
 pub use data_array::{DataArray, Values};
