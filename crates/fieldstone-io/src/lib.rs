@@ -18,6 +18,7 @@ mod mercury;
 pub mod openfoam;
 mod particles;
 pub mod source;
+pub mod vtk;
 mod xyz;
 
 pub use atomic_file::AtomicFile;
