@@ -317,7 +317,8 @@ fn openfoam_computes_with_the_fields_that_we_write() {
             ("fvSolution", ""),
         ];
         for (name, entries) in dictionaries {
-            let text = format!("FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n{entries}\n");
+            let text =
+                format!("FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n{entries}\n");
             fs::write(case.path().join("system").join(name), text).unwrap();
         }
         let field = VolField { name: "U.solids", dimensions: Dimensions::VELOCITY, components: 3, values: &velocity };
