@@ -1,5 +1,7 @@
 //! Gmsh meshes: real ones in every version and encoding, and broken ones.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 use std::fs;
 

@@ -1,5 +1,7 @@
 //! OpenFOAM meshes: real ones, the same ones stored in other ways, and broken ones.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::HashMap;
 use std::fs;
 use std::io::Write;
