@@ -15,8 +15,10 @@ mod error;
 mod frames;
 mod lines;
 mod mercury;
+pub mod openfoam;
 mod particles;
 pub mod source;
+pub mod vtk;
 mod xyz;
 
 pub use atomic_file::AtomicFile;

@@ -1,9 +1,27 @@
-//! Polyhedral meshes and Cartesian grids.
+//! Cells that balls are binned into exactly: polyhedral meshes and Cartesian grids.
+//!
+//! [`Mesh`] is OpenFOAM's idea: points, faces, owner, neighbour. Each face that is not planar is split once into
+//! triangles around its area-weighted centroid, so both its cells see one surface and nothing is lost between
+//! them; for each ball a face is evaluated once and counted with opposite signs on its two sides. [`Grid`] is a
+//! Cartesian grid with the closed form for boxes. Both implement [`Cells`].
 
+mod ball_overlap;
 mod cell_list;
+mod cell_tree;
+mod cells;
+mod cuboid_overlap;
 mod error;
+mod from_cells;
+mod grid;
+mod locate;
 mod mesh;
+mod mesh_cells;
+mod shape;
+mod surface;
 
+pub use ball_overlap::{CellOverlap, MeshScratch};
 pub use cell_list::CellList;
+pub use cells::Cells;
 pub use error::MeshError;
+pub use grid::{Grid, GridScratch};
 pub use mesh::{Mesh, MeshParts, Patch, Zone};

@@ -1,0 +1,93 @@
+//! Area vector, centroid and planarity of a polygon that may be warped.
+
+use glam::DVec3;
+
+/// Area vector of a closed polygon: half the sum of the cross products of its corners about their mean.
+///
+/// Its length is the area where the polygon is planar; its direction is the mean normal, counter-clockwise.
+///
+/// ```
+/// use fieldstone_geometry::polygon_area_vector;
+/// let area = polygon_area_vector(&[[0.0; 3], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]]);
+/// assert_eq!(area, [0.0, 0.0, 6.0]);
+/// ```
+pub fn polygon_area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
+    let mean = mean(corners);
+    let mut area = DVec3::ZERO;
+    for_each_side(corners, |a, b| area += (a - mean).cross(b - mean));
+    (0.5 * area).to_array()
+}
+
+/// The area-weighted centroid of a polygon, as OpenFOAM defines the centre of a face.
+///
+/// The polygon is fanned around the mean of its corners; the centroid is the mean of the triangles' centroids,
+/// weighted by the triangles' (unsigned) areas. A triangle's centroid is the mean of its corners.
+///
+/// For a polyhedron whose warped faces are fanned around this point, the volume equals the one that OpenFOAM
+/// computes, because all triangles of a fan share their apex.
+pub fn polygon_centroid(corners: &[[f64; 3]]) -> [f64; 3] {
+    let mean = mean(corners);
+    if corners.len() == 3 {
+        return mean.to_array();
+    }
+    let mut total = 0.0;
+    let mut weighted = DVec3::ZERO;
+    for_each_side(corners, |a, b| {
+        let area = (b - a).cross(mean - a).length();
+        total += area;
+        weighted += area * ((a - mean) + (b - mean));
+    });
+    if total > 0.0 { (mean + weighted / (3.0 * total)).to_array() } else { mean.to_array() }
+}
+
+/// Largest distance of a corner from the plane through the centroid normal to the area vector.
+///
+/// 0 for a triangle; infinity for a polygon without area, which has no plane.
+pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
+    if corners.len() == 3 {
+        return 0.0;
+    }
+    let Some(normal) = DVec3::from(polygon_area_vector(corners)).try_normalize() else { return f64::INFINITY };
+    let centroid = DVec3::from(polygon_centroid(corners));
+    corners.iter().map(|&p| normal.dot(DVec3::from(p) - centroid).abs()).fold(0.0, f64::max)
+}
+
+fn mean(corners: &[[f64; 3]]) -> DVec3 {
+    // Relative to the first corner: far from the origin the plain sum would lose digits.
+    let Some(&first) = corners.first() else { return DVec3::ZERO };
+    let first = DVec3::from(first);
+    let offset: DVec3 = corners.iter().map(|&p| DVec3::from(p) - first).sum();
+    first + offset / corners.len() as f64
+}
+
+fn for_each_side(corners: &[[f64; 3]], mut visit: impl FnMut(DVec3, DVec3)) {
+    for (k, &a) in corners.iter().enumerate() {
+        let b = corners[(k + 1) % corners.len()];
+        visit(DVec3::from(a), DVec3::from(b));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centroid_of_a_planar_polygon_is_its_centre_of_area() {
+        // An L shape is not convex about its vertex mean, but this trapezium is.
+        let c = polygon_centroid(&[[0.0; 3], [4.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+        // Centre of area of a right trapezium with parallel sides 4 and 2, height 2.
+        assert!((c[0] - 14.0 / 9.0).abs() < 1e-15 && (c[1] - 8.0 / 9.0).abs() < 1e-15, "{c:?}");
+    }
+
+    #[test]
+    fn a_lifted_corner_is_the_warp() {
+        assert_eq!(polygon_warp(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]), 0.0);
+        let w = polygon_warp(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.1], [0.0, 1.0, 0.0]]);
+        assert!(w > 0.02 && w < 0.05, "{w}");
+    }
+
+    #[test]
+    fn a_polygon_without_area_has_no_plane() {
+        assert_eq!(polygon_warp(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]]), f64::INFINITY);
+    }
+}

@@ -1,0 +1,175 @@
+//! Ball in mesh: the overlap with every cell, each face evaluated once per ball.
+
+use fieldstone_geometry::{Ball, Vector, volume_from_terms};
+use glam::DVec3;
+
+use crate::Mesh;
+use crate::surface::FaceSum;
+
+/// Working memory of [`Mesh::overlap_ball`] and its siblings: one per thread.
+///
+/// Grows to one entry per face of the mesh; nothing has to be cleared between balls.
+#[derive(Debug, Clone)]
+pub struct MeshScratch {
+    /// Number of the ball for which each face was evaluated last.
+    stamp: Vec<u32>,
+    sums: Vec<FaceSum>,
+    ball: u32,
+    candidates: Vec<u32>,
+    pub(crate) ring: Vec<Vector<f64>>,
+    pub(crate) polygon: Vec<DVec3>,
+    pub(crate) clipped: Vec<DVec3>,
+}
+
+impl MeshScratch {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
+        let faces = mesh.parts().owner.len();
+        Self {
+            stamp: vec![0; faces],
+            sums: vec![FaceSum::default(); faces],
+            ball: 0,
+            candidates: Vec::new(),
+            ring: Vec::new(),
+            polygon: Vec::new(),
+            clipped: Vec::new(),
+        }
+    }
+
+    fn next_ball(&mut self) {
+        self.ball = self.ball.wrapping_add(1);
+        if self.ball == 0 {
+            self.stamp.fill(0);
+            self.ball = 1;
+        }
+    }
+}
+
+/// Overlap of one ball with one cell of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellOverlap {
+    /// The cell.
+    pub cell: u32,
+    /// Volume of the ball in the cell.
+    pub volume: f64,
+    /// Area of the ball's surface in the cell.
+    pub sphere_area: f64,
+}
+
+impl Mesh {
+    /// Appends the overlap of `ball` with each cell that it reaches, and the area of each face inside the ball.
+    ///
+    /// The face areas belong to the faces of the cells listed; the flux of solid through a face is the ball's
+    /// velocity times the normal times the area.
+    ///
+    /// Cost: one evaluation of [`fieldstone_geometry::face_terms`] per face of the cells in reach.
+    pub fn overlap_ball_areas(
+        &self,
+        ball: &Ball,
+        scratch: &mut MeshScratch,
+        cells: &mut Vec<CellOverlap>,
+        faces: &mut Vec<(u32, f64)>,
+    ) {
+        let start = faces.len();
+        let r2 = ball.radius() * ball.radius();
+        self.visit_cells(ball, scratch, |cell, scratch| {
+            let overlap = self.cell_overlap(ball, cell, scratch, false);
+            if overlap.volume > 0.0 {
+                for &face in self.cell_faces(cell as usize) {
+                    let area = scratch.sums[face as usize].area;
+                    if area > 0.0 {
+                        faces.push((face, r2 * area));
+                    }
+                }
+                cells.push(overlap);
+            }
+        });
+        faces[start..].sort_unstable_by_key(|&(face, _)| face);
+        // The two cells of a face report the very same evaluation.
+        let mut kept = start;
+        for k in start..faces.len() {
+            if kept == start || faces[kept - 1].0 != faces[k].0 {
+                faces[kept] = faces[k];
+                kept += 1;
+            }
+        }
+        faces.truncate(kept);
+    }
+
+    pub(crate) fn overlap_ball_volumes(&self, ball: &Ball, scratch: &mut MeshScratch, out: &mut Vec<(u32, f64)>) {
+        self.visit_cells(ball, scratch, |cell, scratch| {
+            let volume = self.cell_overlap(ball, cell, scratch, true).volume;
+            if volume > 0.0 {
+                out.push((cell, volume));
+            }
+        });
+    }
+
+    /// Calls `visit` with the cells whose bounds meet the ball, in rising order.
+    fn visit_cells(&self, ball: &Ball, scratch: &mut MeshScratch, mut visit: impl FnMut(u32, &mut MeshScratch)) {
+        scratch.next_ball();
+        let centre = DVec3::from(ball.centre());
+        let r2 = ball.radius() * ball.radius();
+        let mut candidates = std::mem::take(&mut scratch.candidates);
+        candidates.clear();
+        self.tree.query(&self.bounds, centre - ball.radius(), centre + ball.radius(), |cell| {
+            let [low, high] = self.bounds[cell as usize];
+            if (centre - centre.clamp(low, high)).length_squared() < r2 {
+                candidates.push(cell);
+            }
+        });
+        candidates.sort_unstable();
+        for &cell in &candidates {
+            visit(cell, scratch);
+        }
+        scratch.candidates = candidates;
+    }
+
+    fn cell_overlap(&self, ball: &Ball, cell: u32, scratch: &mut MeshScratch, volume_only: bool) -> CellOverlap {
+        let at = cell as usize;
+        let centre = DVec3::from(ball.centre());
+        let r = ball.radius();
+        let whole = self.cell_volumes()[at];
+        let outward = self.orientation(at);
+        let result = |volume, sphere_area| CellOverlap { cell, volume, sphere_area };
+
+        let inside = |k: &u32| (self.surface.vertices[*k as usize] - centre).length_squared() <= r * r;
+        let all_inside = self.cell_vertices(at).iter().all(inside);
+        if all_inside && volume_only {
+            return result(whole, 0.0);
+        }
+        if !all_inside && self.is_convex(at) {
+            // A plane that has the ball on its outer side settles a convex cell without a single angle.
+            let apart = self.signed_faces(at).any(|(face, sign)| {
+                self.surface.pieces(face).any(|piece| outward * sign * self.surface.height(piece, centre) >= r)
+            });
+            if apart {
+                return result(0.0, 0.0);
+            }
+        }
+
+        let scale = 1.0 / r;
+        let (mut volume3, mut solid_angle, mut touched) = (0.0, 0.0, false);
+        for (face, sign) in self.signed_faces(at) {
+            if scratch.stamp[face] != scratch.ball {
+                scratch.stamp[face] = scratch.ball;
+                scratch.sums[face] = self.surface.sum(face, centre, scale, &mut scratch.ring);
+            }
+            let sum = &scratch.sums[face];
+            volume3 += sign * sum.volume3;
+            solid_angle += sign * sum.solid_angle;
+            touched |= sum.area != 0.0;
+        }
+        if all_inside {
+            return result(whole, 0.0);
+        }
+        let volume = volume_from_terms(ball, whole, outward * volume3, outward * solid_angle, touched);
+        let sphere_area = if touched {
+            (outward * solid_angle * r * r).clamp(0.0, ball.surface_area())
+        } else if volume > 0.0 {
+            ball.surface_area()
+        } else {
+            0.0
+        };
+        result(volume, sphere_area)
+    }
+}

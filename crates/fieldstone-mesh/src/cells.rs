@@ -1,0 +1,44 @@
+//! What grids and meshes have in common.
+
+use fieldstone_geometry::{Ball, ElementKind};
+
+/// Cells that balls, boxes and points are placed into: a [`crate::Mesh`] or a [`crate::Grid`].
+///
+/// Volumes are reported as pairs (cell, volume), sorted by cell, without zeros; what of a ball lies outside all
+/// cells is in no pair.
+pub trait Cells: Sync {
+    /// Working memory of one thread.
+    type Scratch: Send;
+
+    /// Working memory for this set of cells.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Number of cells.
+    fn cell_count(&self) -> usize;
+
+    /// Volume of a cell.
+    fn cell_volume(&self, cell: usize) -> f64;
+
+    /// Lower and upper corner of the box around all cells.
+    fn bounds(&self) -> ([f64; 3], [f64; 3]);
+
+    /// Appends the volume of `ball` in each cell that it overlaps.
+    fn overlap_ball(&self, ball: &Ball, scratch: &mut Self::Scratch, out: &mut Vec<(u32, f64)>);
+
+    /// Appends the volume of the axis-parallel box in each cell that it overlaps.
+    fn overlap_cuboid(&self, low: [f64; 3], high: [f64; 3], scratch: &mut Self::Scratch, out: &mut Vec<(u32, f64)>);
+
+    /// The cell that holds `point`; the first of them on a common face, edge or corner; `None` outside.
+    fn locate(&self, point: [f64; 3], scratch: &mut Self::Scratch) -> Option<u32>;
+
+    /// Calls `visit` with each cell that shares a face with `cell`, and with the face's area over the distance of
+    /// the two cells' centres.
+    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64));
+
+    /// Calls `visit` with each cell whose bounding box meets the given box, in any order.
+    fn for_each_candidate(&self, low: [f64; 3], high: [f64; 3], visit: &mut dyn FnMut(u32));
+
+    /// A cell as a signed sum of elements of standard kinds with planar faces, corners in CGNS order: the cell
+    /// itself where it is one, else tetrahedra.
+    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]]));
+}

@@ -1,0 +1,171 @@
+//! From cells listed by corners to faces shared by cells.
+
+use std::collections::HashMap;
+
+use fieldstone_geometry::ElementKind;
+use glam::DVec3;
+
+use crate::{CellList, MeshError, MeshParts, Patch};
+
+/// Cells with shared faces.
+pub(crate) struct Shared {
+    pub parts: MeshParts,
+    pub kinds: Vec<ElementKind>,
+    pub corner_ends: Vec<usize>,
+    pub corners: Vec<u32>,
+    pub inverted: usize,
+}
+
+/// Where a face was met: the cell, and where its corners start in the list of all corners.
+#[derive(Clone, Copy)]
+struct Side {
+    cell: u32,
+    start: usize,
+    len: usize,
+}
+
+struct Met {
+    first: Side,
+    second: Option<Side>,
+}
+
+pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shared, MeshError> {
+    if cells.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    let mut corners: Vec<u32> = Vec::new();
+    let mut corner_ends = Vec::with_capacity(cells.len());
+    let mut rings: Vec<u32> = Vec::new();
+    let mut met: Vec<Met> = Vec::new();
+    let mut index: HashMap<Box<[u32]>, u32> = HashMap::with_capacity(3 * cells.len());
+    let mut inverted = 0;
+
+    for cell in 0..cells.len() {
+        let entries = cells.entries_of(cell);
+        let kind = cells.kinds[cell];
+        let cell_rings = if kind == ElementKind::Polyhedron {
+            polyhedron_rings(&points, cell, entries)?
+        } else {
+            check_points(&points, cell, entries)?;
+            let mut own = entries.to_vec();
+            if signed_volume(&points, kind, &own) < 0.0 {
+                own = kind.mirrored().iter().map(|&k| entries[k]).collect();
+                inverted += usize::from(kind != ElementKind::Wedge);
+            }
+            corners.extend_from_slice(&own);
+            kind.faces().iter().map(|face| face.iter().map(|&k| own[k]).collect()).collect()
+        };
+        corner_ends.push(corners.len());
+        for ring in cell_rings {
+            let mut key = ring.clone();
+            key.sort_unstable();
+            let side = Side { cell: cell as u32, start: rings.len(), len: ring.len() };
+            rings.extend_from_slice(&ring);
+            match index.get(key.as_slice()) {
+                None => {
+                    index.insert(key.into_boxed_slice(), met.len() as u32);
+                    met.push(Met { first: side, second: None });
+                }
+                Some(&at) => {
+                    let face = &mut met[at as usize];
+                    if let Some(second) = face.second {
+                        let cells = [face.first.cell, second.cell, side.cell].map(|c| c as usize);
+                        return Err(MeshError::SharedFace { cells, corners: key });
+                    }
+                    face.second = Some(side);
+                }
+            }
+        }
+    }
+
+    // Internal faces first, each side in the order of the cells, so that the result does not depend on hashing.
+    let mut parts = MeshParts { points, ..MeshParts::default() };
+    for internal in [true, false] {
+        for face in met.iter().filter(|f| f.second.is_some() == internal) {
+            parts.face_points.extend_from_slice(&rings[face.first.start..face.first.start + face.first.len]);
+            parts.face_ends.push(parts.face_points.len());
+            parts.owner.push(face.first.cell);
+            parts.neighbour.extend(face.second.map(|side| side.cell));
+        }
+    }
+    let start = parts.neighbour.len();
+    let count = parts.owner.len() - start;
+    parts.patches.push(Patch { name: "boundary".into(), kind: "patch".into(), start, count });
+    Ok(Shared { parts, kinds: cells.kinds, corner_ends, corners, inverted })
+}
+
+fn check_points(points: &[[f64; 3]], cell: usize, corners: &[u32]) -> Result<(), MeshError> {
+    match corners.iter().find(|&&p| p as usize >= points.len()) {
+        Some(&point) => Err(MeshError::CellPointOutOfRange { cell, point: point as usize, points: points.len() }),
+        None => Ok(()),
+    }
+}
+
+/// The faces of a polyhedron, turned outwards if all of them point inwards.
+fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result<Vec<Vec<u32>>, MeshError> {
+    let mut rings = Vec::new();
+    let mut rest = entries;
+    while let Some((&count, tail)) = rest.split_first() {
+        let (ring, tail) = tail.split_at((count as usize).min(tail.len()));
+        check_points(points, cell, ring)?;
+        if ring.len() < 3 {
+            return Err(MeshError::BadFace { face: rings.len(), corners: ring.to_vec() });
+        }
+        rings.push(ring.to_vec());
+        rest = tail;
+    }
+    make_consistent(&mut rings);
+    let volume: f64 = rings.iter().map(|ring| six_volumes(points, rings[0][0], ring)).sum();
+    if volume < 0.0 {
+        rings.iter_mut().for_each(|ring| ring.reverse());
+    }
+    Ok(rings)
+}
+
+/// Turns faces so that neighbours run through their common edge in opposite directions, starting from the first.
+///
+/// Some writers list the faces of a polyhedron in any winding; readers of VTK files must not rely on it.
+fn make_consistent(rings: &mut [Vec<u32>]) {
+    let mut done = vec![false; rings.len()];
+    let mut waiting = vec![0];
+    if let Some(first) = done.first_mut() {
+        *first = true;
+    }
+    while let Some(at) = waiting.pop() {
+        let edges: Vec<[u32; 2]> = edges_of(&rings[at]).collect();
+        for other in 0..rings.len() {
+            if done[other] {
+                continue;
+            }
+            let same = edges_of(&rings[other]).any(|e| edges.contains(&e));
+            let opposite = edges_of(&rings[other]).any(|[a, b]| edges.contains(&[b, a]));
+            if same && !opposite {
+                rings[other].reverse();
+            }
+            if same || opposite {
+                done[other] = true;
+                waiting.push(other);
+            }
+        }
+    }
+}
+
+fn edges_of(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    ring.iter().enumerate().map(|(k, &a)| [a, ring[(k + 1) % ring.len()]])
+}
+
+fn six_volumes(points: &[[f64; 3]], origin: u32, ring: &[u32]) -> f64 {
+    let at = |k: u32| DVec3::from(points[k as usize]) - DVec3::from(points[origin as usize]);
+    ring[1..].windows(2).map(|p| at(ring[0]).dot(at(p[0]).cross(at(p[1])))).sum()
+}
+
+fn signed_volume(points: &[[f64; 3]], kind: ElementKind, corners: &[u32]) -> f64 {
+    kind.faces()
+        .iter()
+        .map(|face| {
+            let ring: Vec<u32> = face.iter().map(|&k| corners[k]).collect();
+            six_volumes(points, corners[0], &ring)
+        })
+        .sum::<f64>()
+        / 6.0
+}

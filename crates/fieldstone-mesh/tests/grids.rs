@@ -1,0 +1,108 @@
+//! Grids against the general kernel, cell by cell, and against closed forms.
+
+use fieldstone_geometry::{Ball, Polyhedron, corner_volume, overlap_volume};
+use fieldstone_mesh::{Cells, Grid};
+use proptest::prelude::*;
+
+fn volumes(grid: &Grid, ball: &Ball) -> Vec<(u32, f64)> {
+    let mut out = Vec::new();
+    grid.overlap_ball(ball, &mut grid.scratch(), &mut out);
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn every_cell_agrees_with_the_kernel_on_the_same_box(
+        centre in prop::array::uniform3(-0.5f64..4.5),
+        radius in 0.05f64..3.0,
+        cells in prop::array::uniform3(1usize..5),
+    ) {
+        let grid = Grid::new([0.0; 3], [4.0, 3.0, 2.0], cells).unwrap();
+        let ball = Ball::new(centre, radius).unwrap();
+        let mut found = vec![0.0; grid.cell_count()];
+        for (cell, volume) in volumes(&grid, &ball) {
+            found[cell as usize] = volume;
+        }
+        for (cell, &volume) in found.iter().enumerate() {
+            let (low, high) = grid.cell_bounds(cell);
+            let exact = overlap_volume(&ball, &Polyhedron::cuboid(low, high).unwrap());
+            let scale = ball.volume();
+            prop_assert!((volume - exact).abs() <= 4e-15 * scale, "cell {cell}: {volume} against {exact}");
+        }
+    }
+
+    #[test]
+    fn the_volume_below_a_corner_agrees_with_the_kernel(a in -1.2f64..1.2, b in -1.2f64..1.2, c in -1.2f64..1.2) {
+        let ball = Ball::new([0.0; 3], 1.0).unwrap();
+        let exact = overlap_volume(&ball, &Polyhedron::cuboid([-2.0; 3], [a, b, c]).unwrap());
+        prop_assert!((corner_volume([a, b, c]) - exact).abs() < 4e-15);
+    }
+
+    #[test]
+    fn a_grid_that_holds_the_ball_holds_all_of_its_volume(
+        centre in prop::array::uniform3(-0.5f64..0.5),
+        radius in 0.05f64..20.0,
+    ) {
+        let half = radius.ceil() + 1.0;
+        let n = (2.0 * half) as usize;
+        let grid = Grid::new([-half; 3], [half; 3], [n; 3]).unwrap();
+        let ball = Ball::new(centre, radius).unwrap();
+        let mut sum = 0.0;
+        let mut carry = 0.0;
+        for (_, v) in volumes(&grid, &ball) {
+            let y = v - carry;
+            let t = sum + y;
+            carry = (t - sum) - y;
+            sum = t;
+        }
+        prop_assert!((sum / ball.volume() - 1.0).abs() < 1e-13, "{:e}", sum / ball.volume() - 1.0);
+    }
+}
+
+#[test]
+fn corners_on_the_sphere_and_on_the_axes_are_exact() {
+    let ball = 4.0 / 3.0 * std::f64::consts::PI;
+    // Exactly on the sphere: (2/7, 3/7, 6/7) and its mirror images; the kernel sees the same corner.
+    let unit = Ball::new([0.0; 3], 1.0).unwrap();
+    for signs in 0..8 {
+        let p: [f64; 3] =
+            std::array::from_fn(|k| [2.0, 3.0, 6.0][k] / 7.0 * if signs >> k & 1 == 1 { -1.0 } else { 1.0 });
+        let exact = overlap_volume(&unit, &Polyhedron::cuboid([-2.0; 3], p).unwrap());
+        assert!((corner_volume(p) - exact).abs() < 2e-15, "{p:?}: {} against {exact}", corner_volume(p));
+    }
+    for (p, parts) in [([0.0, 0.0, 0.0], 8.0), ([0.0, 0.0, 1.0], 4.0), ([1.0, 0.0, 1.0], 2.0), ([1.0, 1.0, 1.0], 1.0)] {
+        assert!((corner_volume(p) - ball / parts).abs() < 1e-15);
+    }
+    assert_eq!(corner_volume([-1.0, 5.0, 5.0]), 0.0);
+}
+
+#[test]
+fn points_on_common_faces_belong_to_the_upper_cell_and_the_last_face_to_the_last_cell() {
+    let grid = Grid::new([0.0; 3], [1.0; 3], [10, 10, 10]).unwrap();
+    let s = &mut grid.scratch();
+    for i in 0..10 {
+        assert_eq!(grid.locate([grid.plane(0, i), 0.05, 0.05], s), Some(i as u32), "plane {i}");
+    }
+    assert_eq!(grid.locate([1.0, 1.0, 1.0], s), Some(999));
+    assert_eq!(grid.locate([1.0 + 1e-12, 0.5, 0.5], s), None);
+    assert_eq!(grid.locate([f64::NAN, 0.5, 0.5], s), None);
+}
+
+#[test]
+fn a_box_is_shared_out_completely() {
+    let grid = Grid::new([0.0; 3], [1.0; 3], [7, 3, 5]).unwrap();
+    let mut out = Vec::new();
+    grid.overlap_cuboid([0.1, 0.2, 0.3], [0.9, 0.55, 1.4], &mut grid.scratch(), &mut out);
+    let sum: f64 = out.iter().map(|p| p.1).sum();
+    assert!((sum - 0.8 * 0.35 * 0.7).abs() < 1e-15);
+}
+
+#[test]
+fn impossible_grids_are_refused() {
+    assert!(Grid::new([0.0; 3], [1.0, 1.0, 0.0], [1; 3]).unwrap_err().to_string().contains("along z"));
+    assert!(Grid::new([0.0; 3], [1.0; 3], [1, 0, 1]).is_err());
+    assert!(Grid::new([0.0; 3], [f64::INFINITY; 3], [1; 3]).is_err());
+    assert!(Grid::new([0.0; 3], [1.0; 3], [usize::MAX, 2, 2]).is_err());
+}

@@ -1,0 +1,254 @@
+//! Meshes built in the test: shared faces, shapes, the face-once path against the per-element path.
+
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, overlap, overlap_volume};
+use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
+use proptest::prelude::*;
+
+/// n³ hexahedra on the unit cube, their inner points moved by up to `jitter` cells.
+fn hexahedra(n: usize, jitter: f64, seed: u64) -> Mesh {
+    let mut state = seed;
+    let mut noise = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 2.0 * jitter / n as f64
+    };
+    let mut points = Vec::new();
+    for k in 0..=n {
+        for j in 0..=n {
+            for i in 0..=n {
+                let inner = [i, j, k].iter().all(|&x| x > 0 && x < n);
+                let at = [i, j, k].map(|x| x as f64 / n as f64);
+                points.push(if inner { at.map(|x| x + noise()) } else { at });
+            }
+        }
+    }
+    let mut cells = CellList::new();
+    let p = |i: usize, j: usize, k: usize| (i + (n + 1) * (j + (n + 1) * k)) as u32;
+    for k in 0..n {
+        for j in 0..n {
+            for i in 0..n {
+                let corners = [
+                    p(i, j, k),
+                    p(i + 1, j, k),
+                    p(i + 1, j + 1, k),
+                    p(i, j + 1, k),
+                    p(i, j, k + 1),
+                    p(i + 1, j, k + 1),
+                    p(i + 1, j + 1, k + 1),
+                    p(i, j + 1, k + 1),
+                ];
+                cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &corners).unwrap();
+            }
+        }
+    }
+    Mesh::from_cells(points, cells).unwrap()
+}
+
+/// One of each standard element, stacked into a conforming mesh: cube, pyramid on top, wedge beside, tetrahedron.
+fn mixed() -> Mesh {
+    let points = vec![
+        [0., 0., 0.],
+        [1., 0., 0.],
+        [1., 1., 0.],
+        [0., 1., 0.],
+        [0., 0., 1.],
+        [1., 0., 1.],
+        [1., 1., 1.],
+        [0., 1., 1.],
+        [0.5, 0.5, 2.],
+        [2., 0., 0.],
+        [2., 1., 0.],
+        [1.0, 0.5, 2.5],
+    ];
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &[0, 1, 2, 3, 4, 5, 6, 7]).unwrap();
+    cells.push(ElementKind::Pyramid, CornerOrder::Vtk, &[4, 5, 6, 7, 8]).unwrap();
+    cells.push(ElementKind::Wedge, CornerOrder::Cgns, &[1, 9, 5, 2, 10, 6]).unwrap();
+    cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[5, 6, 8, 11]).unwrap();
+    Mesh::from_cells(points, cells).unwrap()
+}
+
+#[test]
+fn faces_are_shared_and_volumes_add_up() {
+    let mesh = hexahedra(4, 0.0, 1);
+    assert_eq!(mesh.parts().neighbour.len(), 3 * 4 * 4 * 3);
+    assert_eq!(mesh.parts().owner.len() - mesh.parts().neighbour.len(), 6 * 16);
+    assert!(mesh.cell_volumes().iter().all(|v| (v * 64.0 - 1.0).abs() < 1e-14));
+    assert_eq!((mesh.warped_faces(), mesh.concave_cells()), (0, 0));
+
+    let warped = hexahedra(4, 0.3, 1);
+    assert!((warped.cell_volumes().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    assert!(warped.warped_faces() > 50 && warped.concave_cells() > 10);
+}
+
+#[test]
+fn standard_elements_are_recognised_from_faces_alone() {
+    let mesh = mixed();
+    assert!((mesh.cell_volumes()[2] - 0.5).abs() < 1e-15);
+    let again = Mesh::new(mesh.parts().clone()).unwrap();
+    for cell in 0..4 {
+        assert_eq!(again.cell_kind(cell), ElementKind::STANDARD[[3, 1, 2, 0][cell]]);
+        // Whatever corner comes first, the element named is the same one.
+        let corners: Vec<[f64; 3]> =
+            again.cell_corners(cell).unwrap().iter().map(|&k| again.parts().points[k as usize]).collect();
+        let element = fieldstone_geometry::Polyhedron::element(
+            again.cell_kind(cell),
+            CornerOrder::Cgns,
+            &corners,
+            fieldstone_geometry::Orientation::Refuse,
+        );
+        assert!((element.unwrap().volume() - mesh.cell_volumes()[cell]).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn wedges_of_either_winding_and_inverted_elements_are_taken_and_counted() {
+    let points = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 0., 1.], [0., 1., 1.]];
+    for order in [CornerOrder::Vtk, CornerOrder::Cgns] {
+        let mut cells = CellList::new();
+        cells.push(ElementKind::Wedge, order, &[0, 1, 2, 3, 4, 5]).unwrap();
+        let mesh = Mesh::from_cells(points.clone(), cells).unwrap();
+        assert_eq!((mesh.cell_volumes()[0], mesh.inverted_elements()), (0.5, 0));
+    }
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 2, 1, 3]).unwrap();
+    let mesh = Mesh::from_cells(points, cells).unwrap();
+    assert_eq!(mesh.inverted_elements(), 1);
+    assert!(mesh.inverted_cells().is_empty());
+}
+
+#[test]
+fn an_inverted_cell_is_listed_and_still_measured() {
+    let mut parts = mixed().parts().clone();
+    // All faces of a lone tetrahedron, pointing inwards.
+    parts.points = vec![[0.; 3], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    parts.face_points = vec![0, 1, 2, 3, 1, 0, 3, 2, 1, 3, 0, 2];
+    parts.face_ends = vec![3, 6, 9, 12];
+    parts.owner = vec![0; 4];
+    parts.neighbour = vec![];
+    parts.patches = vec![];
+    let mesh = Mesh::new(parts).unwrap();
+    assert_eq!(mesh.inverted_cells(), [0]);
+    let ball = Ball::new([0.0; 3], 0.2).unwrap();
+    let mut out = Vec::new();
+    mesh.overlap_ball(&ball, &mut mesh.scratch(), &mut out);
+    assert!((out[0].1 - ball.volume() / 8.0).abs() < 1e-16);
+    assert_eq!(mesh.locate([0.1; 3], &mut mesh.scratch()), Some(0));
+}
+
+fn compare_with_elements(mesh: &Mesh, ball: &Ball) -> Result<(), TestCaseError> {
+    let mut found = vec![0.0; mesh.cell_count()];
+    let mut out = Vec::new();
+    mesh.overlap_ball(ball, &mut mesh.scratch(), &mut out);
+    prop_assert!(out.windows(2).all(|w| w[0].0 < w[1].0));
+    for &(cell, volume) in &out {
+        found[cell as usize] = volume;
+    }
+    for (cell, &volume) in found.iter().enumerate() {
+        let exact = overlap_volume(ball, &mesh.polyhedron(cell).unwrap());
+        let scale = ball.volume().max(mesh.cell_volumes()[cell]);
+        prop_assert!((volume - exact).abs() <= 1e-14 * scale, "cell {cell}: {volume:e} against {exact:e}");
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn each_face_once_equals_each_element_alone(
+        centre in prop::array::uniform3(-0.2f64..1.2),
+        radius in 0.02f64..0.8,
+        jitter in 0.0f64..0.45,
+        seed: u64,
+    ) {
+        let ball = Ball::new(centre, radius).unwrap();
+        compare_with_elements(&hexahedra(3, jitter, seed), &ball)?;
+    }
+
+    #[test]
+    fn mixed_elements_agree_too(centre in prop::array::uniform3(-0.2f64..2.5), radius in 0.02f64..2.0) {
+        compare_with_elements(&mixed(), &Ball::new(centre, radius).unwrap())?;
+    }
+
+    #[test]
+    fn a_ball_in_the_mesh_is_shared_out_completely(
+        offset in prop::array::uniform3(-1.0f64..1.0),
+        radius in 0.01f64..0.5,
+        seed: u64,
+    ) {
+        let centre = offset.map(|x| 0.5 + x * (0.5 - radius));
+        let mesh = hexahedra(5, 0.4, seed);
+        let ball = Ball::new(centre, radius).unwrap();
+        let mut out = Vec::new();
+        mesh.overlap_ball(&ball, &mut mesh.scratch(), &mut out);
+        let sum: f64 = out.iter().map(|p| p.1).sum();
+        prop_assert!((sum / ball.volume() - 1.0).abs() < 1e-13, "{:e}", sum / ball.volume() - 1.0);
+    }
+
+    #[test]
+    fn every_point_of_the_domain_has_exactly_one_cell_that_holds_it(
+        point in prop::array::uniform3(0.0f64..1.0),
+        seed: u64,
+    ) {
+        let mesh = hexahedra(3, 0.45, seed);
+        let cell = mesh.locate(point, &mut mesh.scratch()).unwrap() as usize;
+        // A tiny ball around the point lies in that cell, unless a face is nearer than its radius.
+        let ball = Ball::new(point, 1e-7).unwrap();
+        let inside = overlap_volume(&ball, &mesh.polyhedron(cell).unwrap());
+        prop_assert!(inside > 0.2 * ball.volume());
+    }
+
+    #[test]
+    fn a_box_in_the_mesh_is_shared_out_completely(
+        low in prop::array::uniform3(0.0f64..0.6),
+        extent in prop::array::uniform3(0.01f64..0.4),
+        seed: u64,
+    ) {
+        let mesh = hexahedra(4, 0.4, seed);
+        let high: [f64; 3] = std::array::from_fn(|k| low[k] + extent[k]);
+        let mut out = Vec::new();
+        mesh.overlap_cuboid(low, high, &mut mesh.scratch(), &mut out);
+        let sum: f64 = out.iter().map(|p| p.1).sum();
+        let volume: f64 = extent.iter().product();
+        prop_assert!((sum / volume - 1.0).abs() < 1e-11, "{:e}", sum / volume - 1.0);
+    }
+}
+
+#[test]
+fn face_areas_are_those_of_the_elements_and_listed_once() {
+    let mesh = hexahedra(3, 0.3, 5);
+    let ball = Ball::new([0.45, 0.52, 0.5], 0.3).unwrap();
+    let (mut cells, mut faces) = (Vec::new(), Vec::new());
+    mesh.overlap_ball_areas(&ball, &mut mesh.scratch(), &mut cells, &mut faces);
+    assert!(faces.windows(2).all(|w| w[0].0 < w[1].0));
+    for c in &cells {
+        let cell = c.cell as usize;
+        let alone = overlap(&ball, &mesh.polyhedron(cell).unwrap());
+        assert!((alone.volume - c.volume).abs() < 1e-15 && (alone.sphere_area - c.sphere_area).abs() < 1e-14);
+        for (k, &face) in mesh.cell_faces(cell).iter().enumerate() {
+            let area = faces.iter().find(|f| f.0 == face).map_or(0.0, |f| f.1);
+            assert!((area - alone.face_areas[k]).abs() < 1e-14, "cell {cell} face {face}");
+        }
+    }
+    let sphere: f64 = cells.iter().map(|c| c.sphere_area).sum();
+    assert!((sphere - ball.surface_area()).abs() < 1e-14);
+}
+
+#[test]
+fn broken_meshes_are_refused_with_the_culprit() {
+    let good = mixed().parts().clone();
+    let broken = |change: &dyn Fn(&mut MeshParts)| {
+        let mut parts = good.clone();
+        change(&mut parts);
+        Mesh::new(parts).unwrap_err()
+    };
+    assert!(matches!(broken(&|p| p.points[3][1] = f64::NAN), MeshError::PointNotFinite { point: 3, .. }));
+    assert!(matches!(broken(&|p| p.face_points[5] = 99), MeshError::PointOutOfRange { point: 99, .. }));
+    assert!(matches!(broken(&|p| p.owner.truncate(3)), MeshError::Count { .. }));
+    assert!(matches!(broken(&|p| p.face_points[0] = p.face_points[1]), MeshError::BadFace { face: 0, .. }));
+    assert!(matches!(broken(&|p| p.owner[0] = p.neighbour[0]), MeshError::BadCells { face: 0, .. }));
+    // A face given to another cell leaves a hole in its own.
+    assert!(matches!(broken(&|p| *p.owner.last_mut().unwrap() = 0), MeshError::OpenCell { .. }));
+    assert!(matches!(Mesh::new(MeshParts::default()), Err(MeshError::Empty)));
+    assert!(matches!(broken(&|p| p.points.iter_mut().for_each(|x| x[2] = 0.0)), MeshError::NoVolume { .. }));
+}
