@@ -1,5 +1,7 @@
 //! Dumps, branch by branch.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::PathBuf;
 
 use fieldstone_io::{DumpReader, FrameReader, ParticleOptions, open_particles, read_frame};

@@ -1,5 +1,7 @@
 //! Files that LAMMPS, LIGGGHTS and MercuryDPM wrote.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::{Path, PathBuf};
 
 use fieldstone_io::{DumpReader, FrameReader, IoError, MercuryReader, ParticleOptions, open_particles, read_frame};
@@ -81,6 +83,15 @@ fn the_lammps_pack_has_729_grains_with_a_stress_of_six_components() {
         let mass: f64 = particles.quantity("mass").unwrap().data.iter().sum();
         assert!((mass / mass_at(&particles, 1.909_859_3) - 1.0).abs() < 1e-12);
     }
+}
+
+#[test]
+fn the_vtk_file_of_the_chute_holds_as_many_balls_as_the_dump_one_step_later() {
+    let Some(path) = extended("liggghts-chute/part_26000.vtk.gz") else { return };
+    let particles = only_frame(&path);
+    assert_eq!(particles.len(), 12_092);
+    let largest = particles.radii().unwrap().iter().copied().fold(0.0, f64::max);
+    assert!((largest - 0.0012).abs() < 1e-9, "{largest}");
 }
 
 #[test]
