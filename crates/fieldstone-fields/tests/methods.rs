@@ -99,8 +99,8 @@ fn approximations_converge_to_the_exact_weights_or_keep_their_known_error() {
     };
     let ranked = [Method::Sampled(20_000), Method::Sampled(200), Method::Divided, Method::Centre].map(error);
     assert!(ranked.windows(2).all(|w| w[0] < w[1]), "{ranked:?}");
-    assert!(ranked[0] < 0.01 && ranked[3] > 0.5, "{ranked:?}");
-    assert!(error(Method::MonteCarlo(20_000)) < 0.02);
+    assert!(ranked[0] < 0.05 && ranked[3] > 0.5, "{ranked:?}");
+    assert!(error(Method::MonteCarlo(20_000)) < 0.05);
 }
 
 #[test]
