@@ -7,7 +7,10 @@
 //! All lengths are in one unit of the user's choice; nothing depends on which.
 
 mod ball;
+mod cap;
 mod corner_volume;
+pub mod decomposition;
+pub mod double_double;
 mod element;
 mod face_terms;
 mod overlap;
@@ -17,6 +20,7 @@ mod real;
 mod vector;
 
 pub use ball::{Ball, BallError};
+pub use cap::{cap_area, cap_volume};
 pub use corner_volume::corner_volume;
 pub use element::{CornerOrder, ElementKind};
 pub use face_terms::{FaceTerms, face_terms, polygon_solid_angle};

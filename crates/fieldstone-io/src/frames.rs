@@ -19,4 +19,10 @@ pub trait FrameReader {
     fn skip_frame(&mut self) -> Result<bool, IoError> {
         Ok(self.next_frame()?.is_some())
     }
+
+    /// What the user should know about the frames read so far, one sentence each: what was left out, and what had
+    /// to be assumed.
+    fn warnings(&self) -> &[String] {
+        &[]
+    }
 }

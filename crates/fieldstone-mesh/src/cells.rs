@@ -1,6 +1,6 @@
 //! What grids and meshes have in common.
 
-use fieldstone_geometry::Ball;
+use fieldstone_geometry::{Ball, ElementKind};
 
 /// Cells that balls, boxes and points are placed into: a [`crate::Mesh`] or a [`crate::Grid`].
 ///
@@ -31,6 +31,14 @@ pub trait Cells: Sync {
     /// The cell that holds `point`; the first of them on a common face, edge or corner; `None` outside.
     fn locate(&self, point: [f64; 3], scratch: &mut Self::Scratch) -> Option<u32>;
 
-    /// Calls `visit` with each cell that shares a face with `cell`.
-    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32));
+    /// Calls `visit` with each cell that shares a face with `cell`, and with the face's area over the distance of
+    /// the two cells' centres.
+    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64));
+
+    /// Calls `visit` with each cell whose bounding box meets the given box, in any order.
+    fn for_each_candidate(&self, low: [f64; 3], high: [f64; 3], visit: &mut dyn FnMut(u32));
+
+    /// A cell as a signed sum of elements of standard kinds with planar faces, corners in CGNS order: the cell
+    /// itself where it is one, else tetrahedra.
+    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]]));
 }

@@ -1,6 +1,6 @@
 //! Cartesian grids: cells by arithmetic, ball overlaps by the closed form for boxes.
 
-use fieldstone_geometry::{Ball, corner_volume};
+use fieldstone_geometry::{Ball, ElementKind, corner_volume};
 
 use crate::{Cells, MeshError};
 
@@ -227,16 +227,37 @@ impl Cells for Grid {
         Some(self.cell_at(at) as u32)
     }
 
-    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32)) {
+    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64)) {
         let at = self.indices(cell);
+        let spacing = self.spacing();
         for k in 0..3 {
             for step in [-1isize, 1] {
                 let Some(index) = at[k].checked_add_signed(step).filter(|&i| i < self.cells[k]) else { continue };
                 let mut other = at;
                 other[k] = index;
-                visit(self.cell_at(other) as u32);
+                let area = spacing[(k + 1) % 3] * spacing[(k + 2) % 3];
+                visit(self.cell_at(other) as u32, area / spacing[k]);
             }
         }
+    }
+
+    fn for_each_candidate(&self, low: [f64; 3], high: [f64; 3], visit: &mut dyn FnMut(u32)) {
+        let spans: [[usize; 2]; 3] = std::array::from_fn(|k| self.span(k, low[k], high[k]));
+        for k in spans[2][0]..spans[2][1] {
+            for j in spans[1][0]..spans[1][1] {
+                for i in spans[0][0]..spans[0][1] {
+                    visit(self.cell_at([i, j, k]) as u32);
+                }
+            }
+        }
+    }
+
+    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]])) {
+        let (low, high) = self.cell_bounds(cell);
+        let sides = [[low[0], high[0]], [low[1], high[1]], [low[2], high[2]]];
+        let order = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let corners = order.map(|at: [usize; 3]| [0, 1, 2].map(|k| sides[k][at[k]]));
+        visit(1.0, ElementKind::Hexahedron, &corners);
     }
 }
 

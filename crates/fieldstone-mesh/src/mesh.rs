@@ -82,6 +82,7 @@ pub struct Mesh {
     /// Corners of standard cells in CGNS order.
     corners: Vec<u32>,
     volumes: Vec<f64>,
+    pub(crate) centres: Vec<DVec3>,
     convex: Vec<bool>,
     inverted: Vec<u32>,
     inverted_elements: usize,
@@ -152,6 +153,7 @@ impl Mesh {
             corner_ends,
             corners,
             volumes: Vec::new(),
+            centres: Vec::new(),
             convex: Vec::new(),
             inverted: Vec::new(),
             inverted_elements,
@@ -171,9 +173,14 @@ impl Mesh {
             this.cell_vertices.extend_from_slice(&vertices);
             this.cell_vertex_ends.push(this.cell_vertices.len());
         }
-        let measured: Vec<(f64, [DVec3; 2])> =
-            (0..cells).into_par_iter().map(|cell| (this.signed_volume(cell), this.box_around(cell))).collect();
-        for (cell, &(volume, [low, high])) in measured.iter().enumerate() {
+        let measured: Vec<(f64, DVec3, [DVec3; 2])> = (0..cells)
+            .into_par_iter()
+            .map(|cell| {
+                let (volume, centre) = this.measure(cell);
+                (volume, centre, this.box_around(cell))
+            })
+            .collect();
+        for (cell, &(volume, centre, [low, high])) in measured.iter().enumerate() {
             let size = (high - low).max_element();
             if volume.abs() <= f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
                 return Err(MeshError::NoVolume { cell, volume });
@@ -182,6 +189,7 @@ impl Mesh {
                 this.inverted.push(cell as u32);
             }
             this.volumes.push(volume.abs());
+            this.centres.push(centre);
             this.bounds.push([low, high]);
         }
         this.convex = (0..cells).into_par_iter().map(|cell| this.is_convex_within(cell, 1e-12)).collect();
@@ -189,15 +197,19 @@ impl Mesh {
         Ok(this)
     }
 
-    fn signed_volume(&self, cell: usize) -> f64 {
-        // Faces fanned around their centroid: the volume that OpenFOAM computes.
+    /// Signed volume and centroid, with faces fanned around their centroids as OpenFOAM does.
+    fn measure(&self, cell: usize) -> (f64, DVec3) {
         let [low, high] = self.box_around(cell);
         let origin = 0.5 * (low + high);
-        let sum: f64 = self
-            .signed_faces(cell)
-            .map(|(face, sign)| sign * self.surface.area_vectors[face].dot(self.surface.centroids[face] - origin))
-            .sum();
-        sum / 3.0
+        let (mut three_volumes, mut weighted) = (0.0, DVec3::ZERO);
+        for (face, sign) in self.signed_faces(cell) {
+            let to_face = self.surface.centroids[face] - origin;
+            let pyramid = sign * self.surface.area_vectors[face].dot(to_face);
+            three_volumes += pyramid;
+            // The centroid of a pyramid is three quarters of the way from its apex to that of its base.
+            weighted += 0.75 * pyramid * to_face;
+        }
+        (three_volumes / 3.0, origin + weighted / three_volumes)
     }
 
     fn box_around(&self, cell: usize) -> [DVec3; 2] {
@@ -240,6 +252,11 @@ impl Mesh {
     /// Volume of each cell; equal to OpenFOAM's, warped faces included.
     pub fn cell_volumes(&self) -> &[f64] {
         &self.volumes
+    }
+
+    /// Centroid of a cell, as OpenFOAM computes it.
+    pub fn cell_centre(&self, cell: usize) -> [f64; 3] {
+        self.centres[cell].to_array()
     }
 
     /// Shape of a cell.

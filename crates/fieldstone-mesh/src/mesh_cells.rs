@@ -1,6 +1,6 @@
 //! The mesh as a set of cells.
 
-use fieldstone_geometry::Ball;
+use fieldstone_geometry::{Ball, ElementKind};
 use glam::DVec3;
 
 use crate::{Cells, Mesh, MeshScratch};
@@ -40,12 +40,52 @@ impl Cells for Mesh {
         self.locate_point(DVec3::from(point), &mut scratch.ring)
     }
 
-    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32)) {
+    fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64)) {
         let parts = self.parts();
         for &face in self.cell_faces(cell) {
             if let Some(&neighbour) = parts.neighbour.get(face as usize) {
                 let owner = parts.owner[face as usize];
-                visit(if owner as usize == cell { neighbour } else { owner });
+                let other = if owner as usize == cell { neighbour } else { owner };
+                let distance = (self.centres[cell] - self.centres[other as usize]).length();
+                visit(other, self.surface.area_vectors[face as usize].length() / distance);
+            }
+        }
+    }
+
+    fn for_each_candidate(&self, low: [f64; 3], high: [f64; 3], visit: &mut dyn FnMut(u32)) {
+        self.tree.query(&self.bounds, DVec3::from(low), DVec3::from(high), visit);
+    }
+
+    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]])) {
+        let planar = self.cell_faces(cell).iter().all(|&face| self.surface.pieces(face as usize).len() == 1);
+        let kind = self.cell_kind(cell);
+        let upright = self.orientation(cell) > 0.0;
+        if let Some(corners) = self.cell_corners(cell)
+            && planar
+            && upright
+            && kind != ElementKind::Pyramid
+        {
+            let points: Vec<[f64; 3]> = corners.iter().map(|&k| self.parts().points[k as usize]).collect();
+            visit(1.0, kind, &points);
+            return;
+        }
+        // Tetrahedra between the centre and the triangles of the surface; behind the centre they count negative.
+        let apex = self.centres[cell];
+        for (face, sign) in self.signed_faces(cell) {
+            for piece in self.surface.pieces(face) {
+                let ring = self.surface.ring(piece);
+                let at = |k: usize| self.surface.vertices[ring[k] as usize];
+                for k in 1..ring.len() - 1 {
+                    let (a, b, c) = (at(0), at(k), at(k + 1));
+                    let volume = (b - a).cross(c - a).dot(a - apex) * sign * self.orientation(cell);
+                    // Corners in the order that makes the tetrahedron's own volume positive.
+                    let towards_centre = (b - a).cross(c - a).dot(apex - a) > 0.0;
+                    let (b, c) = if towards_centre { (b, c) } else { (c, b) };
+                    if volume != 0.0 {
+                        let corners = [a, b, c, apex].map(|v| v.to_array());
+                        visit(volume.signum(), ElementKind::Tetrahedron, &corners);
+                    }
+                }
             }
         }
     }

@@ -1,0 +1,54 @@
+//! One file per way to share out a ball among cells.
+
+mod centre;
+mod cube;
+mod points;
+
+use fieldstone_geometry::Ball;
+use fieldstone_mesh::Cells;
+
+use crate::Method;
+
+/// A method made ready for a set of cells.
+pub(crate) struct Binning<'a, C: Cells> {
+    cells: &'a C,
+    method: Method,
+    /// Points of the unit ball, each standing for the same share of its volume.
+    points: Vec<[f64; 3]>,
+}
+
+impl<'a, C: Cells> Binning<'a, C> {
+    pub fn new(cells: &'a C, method: Method) -> Self {
+        let points = match method {
+            Method::Divided => points::satellites(),
+            Method::Sampled(n) => points::regular(n),
+            _ => Vec::new(),
+        };
+        Self { cells, method, points }
+    }
+
+    /// Appends (cell, volume) pairs for `ball`, in any order and possibly several per cell.
+    ///
+    /// `seed` must differ between balls and be the same for a ball in every run.
+    pub fn bin(&self, ball: &Ball, seed: u64, scratch: &mut C::Scratch, out: &mut Vec<(u32, f64)>) {
+        match self.method {
+            Method::Kernel => self.cells.overlap_ball(ball, scratch, out),
+            Method::Decomposition => self.cells.overlap_ball(ball, scratch, out),
+            Method::Centre => centre::bin(self.cells, ball, scratch, out),
+            Method::CentreSmoothed => centre::bin_smoothed(self.cells, ball, scratch, out),
+            Method::Cube => cube::bin(self.cells, ball, scratch, out),
+            Method::Divided | Method::Sampled(_) => points::bin(self.cells, ball, &self.points, scratch, out),
+            Method::MonteCarlo(n) => points::bin(self.cells, ball, &points::random(n, seed), scratch, out),
+        }
+    }
+
+    /// Volume of the ball that found a cell, given its row.
+    ///
+    /// Averaging over neighbours changes the sum of a row; what it started from was the whole ball.
+    pub fn placed(&self, ball: &Ball, row: &[(u32, f64)]) -> f64 {
+        if self.method == Method::CentreSmoothed {
+            return if row.is_empty() { 0.0 } else { ball.volume() };
+        }
+        row.iter().map(|p| p.1).sum()
+    }
+}

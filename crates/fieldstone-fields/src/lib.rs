@@ -1,0 +1,22 @@
+//! From particles to fields on cells.
+//!
+//! [`Weights`] holds the volume that each particle has in each cell, exactly ([`Method::Kernel`]) or by one of
+//! the approximations in use elsewhere ([`Method`]); [`solid_fraction`] turns it into solid volume, solid
+//! fraction and void fraction, and accounts for every bit of volume in a [`Ledger`].
+
+mod binning;
+mod error;
+mod ledger;
+mod method;
+mod neumaier;
+mod smoothing;
+mod solid_fraction;
+mod weights;
+
+pub use error::FieldsError;
+pub use ledger::Ledger;
+pub use method::Method;
+pub use neumaier::NeumaierSum;
+pub use smoothing::smooth_conservatively;
+pub use solid_fraction::{SolidFraction, SolidFractionOptions, count_centres, solid_fraction};
+pub use weights::Weights;

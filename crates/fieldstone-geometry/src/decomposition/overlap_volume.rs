@@ -1,0 +1,121 @@
+//! Volume of the overlap of a ball and an element (Algorithm 1, Eq. 2).
+
+use glam::DVec3;
+
+use super::cone::Cone;
+use super::element::DecompositionElement;
+use super::general_wedge::{WedgePlanes, unit_general_wedge};
+use super::intersect_primitives::Intersections;
+use super::part::Part;
+use super::regularized_wedge::half_chord;
+
+/// The overlap, or which of the shortcuts of Algorithm 1 applies.
+enum Overlap {
+    Nothing,
+    WholeElement,
+    /// In units of the radius.
+    Ball(Part),
+}
+
+/// Volume and sphere area, see the functions of [`super`].
+pub(super) fn volume(centre: [f64; 3], radius: f64, element: &DecompositionElement) -> f64 {
+    match overlap(centre, radius, element) {
+        Overlap::Nothing => 0.0,
+        Overlap::WholeElement => element.volume(),
+        Overlap::Ball(part) => part.volume * (radius * radius * radius),
+    }
+}
+
+pub(super) fn sphere_area(centre: [f64; 3], radius: f64, element: &DecompositionElement) -> f64 {
+    match overlap(centre, radius, element) {
+        Overlap::Nothing | Overlap::WholeElement => 0.0,
+        Overlap::Ball(part) => part.area * (radius * radius),
+    }
+}
+
+#[inline]
+fn overlap(centre: [f64; 3], radius: f64, element: &DecompositionElement) -> Overlap {
+    let centre = DVec3::from(centre);
+    // Line 2: bounding boxes.
+    let clear = (centre + radius).cmple(element.lower) | (centre - radius).cmpge(element.upper);
+    if clear.any() {
+        return Overlap::Nothing;
+    }
+    let inverse_radius = 1.0 / radius;
+    let mut found = Intersections::of_vertices(element, centre, inverse_radius);
+    // Lines 3–5.
+    if found.vertices.count_ones() == u32::from(element.counts.vertices) {
+        return Overlap::WholeElement;
+    }
+    if !found.planes(element, centre, inverse_radius) {
+        return Overlap::Nothing;
+    }
+    found.edges_and_faces(element, inverse_radius);
+    // Lines 7–11. A face is marked with any of its edges and vertices, so no face is nothing at all.
+    if found.faces == 0 {
+        let centre_inside = found.distance[..element.faces().len()].iter().all(|&d| d >= 0.0);
+        return if centre_inside { Overlap::Ball(Part::BALL) } else { Overlap::Nothing };
+    }
+    Overlap::Ball(partial(element, &found))
+}
+
+/// Lines 12–24, for the unit ball.
+fn partial(element: &DecompositionElement, found: &Intersections) -> Part {
+    let (faces, edges, vertices) = (element.faces(), element.edges(), element.vertices());
+    let mut part = Part::BALL;
+    for index in bits(found.faces.into()) {
+        part -= Part::cap(found.distance[index]);
+    }
+    let mut wedges = [Part::default(); 12];
+    let mut chords = [0.0; 12];
+    for index in bits(found.edges) {
+        let edge = &edges[index];
+        let face = edge.faces.map(usize::from);
+        let planes = WedgePlanes {
+            s: [found.distance[face[0]], found.distance[face[1]]],
+            c: found.in_plane[index],
+            normals: [faces[face[0]].normal, faces[face[1]].normal],
+        };
+        chords[index] = half_chord(planes.distance_squared());
+        wedges[index] = unit_general_wedge(&planes, chords[index]);
+        part += wedges[index];
+    }
+    for index in bits(found.vertices.into()) {
+        let vertex = &vertices[index];
+        let reach = vertex.edges.map(|e| {
+            let e = usize::from(e);
+            let edge = &edges[e];
+            // Position along the edge's line, from the foot, the element being on the positive side.
+            let position = if usize::from(edge.vertices[0]) == index {
+                found.first[e]
+            } else {
+                found.points[index].dot(-edge.direction)
+            };
+            // Distance against the edge to the sphere, position + half chord, without the cancellation.
+            if position > 0.0 { position + chords[e] } else { found.depth[index] / (chords[e] - position) }
+        });
+        let cone = Cone {
+            vertex,
+            point: found.points[index],
+            edges,
+            faces,
+            plane_distance: &found.distance,
+            reach,
+            wedges: &wedges,
+            index: index as u8,
+        };
+        part -= cone.part();
+    }
+    // Rounding can leave a tiny negative number where the overlap is next to nothing.
+    Part { volume: part.volume.max(0.0), area: part.area.max(0.0) }
+}
+
+/// Positions of the set bits, lowest first.
+#[inline(always)]
+fn bits(mut set: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let next = (set != 0).then(|| set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        next
+    })
+}

@@ -1,0 +1,396 @@
+//! What the columns of a text file mean.
+//!
+//! Dumps, tables, XYZ and MercuryDPM files differ in how they name columns; from the names on they share
+//! this code.
+
+use std::collections::BTreeMap;
+
+use crate::assembly::{Fault, Row};
+use crate::lines::{integer, number, shown, skip_blanks, words};
+
+/// Which names a file uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// LIGGGHTS and LAMMPS: exact names, arrays as `name[1]`, `name[2]`, …
+    Dump,
+    /// Spreadsheets and scripts: letter case does not matter, vectors as `name:0` or `name_x`.
+    Table,
+}
+
+/// How a column is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cell {
+    Number,
+    Id,
+    Type,
+    /// Passed over: names of elements and the like.
+    Text,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Group {
+    pub(crate) name: String,
+    pub(crate) columns: Vec<usize>,
+}
+
+/// The meaning of each column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Columns {
+    pub(crate) names: Vec<String>,
+    pub(crate) cells: Vec<Cell>,
+    /// Columns without which there is no particle: they may not be empty.
+    needed: Vec<bool>,
+    pub(crate) position: [usize; 3],
+    scaled: bool,
+    pub(crate) radius: Option<(usize, f64)>,
+    pub(crate) id: Option<usize>,
+    pub(crate) kind: Option<usize>,
+    pub(crate) groups: Vec<Group>,
+    /// Columns that bear the name of an earlier one.
+    pub(crate) repeated: Vec<(usize, usize)>,
+}
+
+const VECTORS: [(&str, [&str; 3]); 6] = [
+    ("velocity", ["vx", "vy", "vz"]),
+    ("force", ["fx", "fy", "fz"]),
+    ("angular_velocity", ["omegax", "omegay", "omegaz"]),
+    ("angular_momentum", ["angmomx", "angmomy", "angmomz"]),
+    ("torque", ["tqx", "tqy", "tqz"]),
+    ("image", ["ix", "iy", "iz"]),
+];
+
+/// Names that a dialect knows, in order of preference.
+struct Naming {
+    /// Coordinates, and whether they are fractions of the box.
+    positions: &'static [([&'static str; 3], bool)],
+    radii: &'static [&'static str],
+    diameters: &'static [&'static str],
+    types: &'static [&'static str],
+}
+
+const DUMP: Naming = Naming {
+    positions: &[
+        (["x", "y", "z"], false),
+        (["xu", "yu", "zu"], false),
+        (["xs", "ys", "zs"], true),
+        (["xsu", "ysu", "zsu"], true),
+    ],
+    radii: &["radius"],
+    diameters: &["diameter", "d"],
+    types: &["type"],
+};
+
+const TABLE: Naming = Naming {
+    positions: &[
+        (["x", "y", "z"], false),
+        (["px", "py", "pz"], false),
+        (["points:0", "points:1", "points:2"], false),
+        (["points_0", "points_1", "points_2"], false),
+        (["position:0", "position:1", "position:2"], false),
+        (["position_x", "position_y", "position_z"], false),
+        (["pos_x", "pos_y", "pos_z"], false),
+    ],
+    radii: &["radius", "r", "rad"],
+    diameters: &["diameter", "d", "diam"],
+    types: &["type", "matid"],
+};
+
+impl Columns {
+    /// Decides by the names.
+    ///
+    /// # Errors
+    /// What is missing, as a sentence: there is no complete set of coordinates.
+    pub(crate) fn new(names: Vec<String>, dialect: Dialect) -> Result<Self, String> {
+        let mut repeated = Vec::new();
+        let mut first = BTreeMap::new();
+        for (column, name) in names.iter().enumerate() {
+            if let Some(&earlier) = first.get(name) {
+                repeated.push((column, earlier));
+            } else {
+                first.insert(name.clone(), column);
+            }
+        }
+        let mut free = vec![true; names.len()];
+        for &(column, _) in &repeated {
+            free[column] = false;
+        }
+        let find = |wanted: &str, free: &[bool]| {
+            (0..names.len()).find(|&c| {
+                free[c]
+                    && match dialect {
+                        Dialect::Dump => names[c] == wanted,
+                        Dialect::Table => names[c].eq_ignore_ascii_case(wanted),
+                    }
+            })
+        };
+        let triple = |wanted: &[&str; 3], free: &[bool]| {
+            Some([find(wanted[0], free)?, find(wanted[1], free)?, find(wanted[2], free)?])
+        };
+        let naming = match dialect {
+            Dialect::Dump => DUMP,
+            Dialect::Table => TABLE,
+        };
+        let Some((position, scaled)) = naming.positions.iter().find_map(|(set, s)| Some((triple(set, &free)?, *s)))
+        else {
+            let sets = naming.positions.iter().map(|(set, _)| set.join(" ")).collect::<Vec<_>>().join(", or ");
+            return Err(format!("no complete set of coordinates ({sets}) among the columns {}", names.join(" ")));
+        };
+        let mut take = |column: usize| free[column] = false;
+        position.into_iter().for_each(&mut take);
+        let any = |aliases: &[&str], free: &[bool]| aliases.iter().find_map(|alias| find(alias, free));
+        let radius =
+            any(naming.radii, &free).map(|c| (c, 1.0)).or_else(|| any(naming.diameters, &free).map(|c| (c, 0.5)));
+        let id = any(&["id"], &free);
+        let kind = any(naming.types, &free);
+        for column in [radius.map(|r| r.0), id, kind].into_iter().flatten() {
+            free[column] = false;
+        }
+
+        let mut groups = Vec::new();
+        for (name, members) in &VECTORS {
+            if let Some(columns) = triple(members, &free) {
+                groups.push(Group { name: (*name).into(), columns: columns.to_vec() });
+            }
+        }
+        groups.extend(arrays(&names, &free, dialect));
+        groups.retain(|g| g.columns.iter().all(|&c| free[c]));
+        // A name that something else already has stays with it: the members are then kept one by one.
+        let mut used: Vec<String> = (0..names.len()).filter(|&c| free[c]).map(|c| names[c].clone()).collect();
+        groups.retain(|group| {
+            let fresh = !used.contains(&group.name);
+            used.push(group.name.clone());
+            fresh
+        });
+        for group in &groups {
+            for &column in &group.columns {
+                free[column] = false;
+            }
+        }
+        for column in (0..names.len()).filter(|&c| free[c]) {
+            let standard = ["mass", "density", "rho"].into_iter().find(|known| match dialect {
+                Dialect::Dump => names[column] == *known,
+                Dialect::Table => names[column].eq_ignore_ascii_case(known),
+            });
+            let standard = standard.map(|name| if name == "rho" { "density" } else { name });
+            let name = match standard {
+                Some(name) if !used.iter().any(|u| u == name) => name.to_string(),
+                _ => names[column].clone(),
+            };
+            used.push(name.clone());
+            groups.push(Group { name, columns: vec![column] });
+        }
+        groups.sort_by_key(|group| group.columns.iter().copied().min());
+
+        let mut cells = vec![Cell::Number; names.len()];
+        let mut needed = vec![false; names.len()];
+        for column in position.into_iter().chain(radius.map(|r| r.0)).chain(id).chain(kind) {
+            needed[column] = true;
+        }
+        if let Some(column) = id {
+            cells[column] = Cell::Id;
+        }
+        if let Some(column) = kind {
+            cells[column] = Cell::Type;
+        }
+        for &(column, earlier) in &repeated {
+            cells[column] = cells[earlier];
+            needed[column] = needed[earlier];
+        }
+        Ok(Self { names, cells, needed, position, scaled, radius, id, kind, groups, repeated })
+    }
+
+    /// Whether the coordinates are fractions of the box.
+    pub(crate) fn scaled(&self) -> bool {
+        self.scaled
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Marks columns that hold words, going by the first row, and returns their names. A column that has a
+    /// meaning stays numeric, so that a damaged number in it is found; types may be labels.
+    pub(crate) fn pass_over_text<'a>(&mut self, first_row: impl Iterator<Item = &'a [u8]>) -> Vec<String> {
+        let mut passed = Vec::new();
+        for (column, word) in first_row.take(self.names.len()).enumerate() {
+            let wordy = word.iter().any(u8::is_ascii_alphabetic) && number(word).is_none();
+            let starts_like_a_number = word.first().is_some_and(|b| b.is_ascii_digit() || b"+-.".contains(b));
+            let label = self.kind == Some(column);
+            if !wordy || (starts_like_a_number && !label) || (self.needed[column] && !label) {
+                continue;
+            }
+            if self.groups.iter().any(|g| g.columns.contains(&column) && g.columns.len() > 1) {
+                continue;
+            }
+            if label {
+                self.kind = None;
+            }
+            self.needed[column] = false;
+            self.cells[column] = Cell::Text;
+            self.groups.retain(|group| !group.columns.contains(&column));
+            passed.push(self.names[column].clone());
+        }
+        for &(column, earlier) in &self.repeated {
+            self.cells[column] = self.cells[earlier];
+        }
+        passed
+    }
+
+    /// Reads one row whose numbers are separated by blanks.
+    pub(crate) fn read_words(&self, line: &[u8], row: &mut Row) -> Result<(), Fault> {
+        row.numbers.resize(self.names.len(), 0.0);
+        let mut at = skip_blanks(line, 0);
+        for (column, cell) in self.cells.iter().enumerate() {
+            if at == line.len() {
+                return Err(Fault::Few { found: column });
+            }
+            if *cell == Cell::Number {
+                // The number is parsed where it stands: looking for its end first would scan it twice.
+                match fast_float2::parse_partial::<f64, _>(&line[at..]) {
+                    Ok((value, length)) if line.get(at + length).is_none_or(u8::is_ascii_whitespace) => {
+                        row.numbers[column] = value;
+                        at += length;
+                    }
+                    _ => return Err(Fault::Number { column, word: shown(word_at(line, at)) }),
+                }
+            } else {
+                let word = word_at(line, at);
+                self.read_cell(column, word, row)?;
+                at += word.len();
+            }
+            at = skip_blanks(line, at);
+        }
+        if at < line.len() {
+            return Err(Fault::Many { found: words(line).count(), word: shown(word_at(line, at)) });
+        }
+        Ok(())
+    }
+
+    /// Reads one row from its fields; an empty field is NaN in a column that no particle needs.
+    pub(crate) fn read_fields<'a>(&self, fields: impl Iterator<Item = &'a [u8]>, row: &mut Row) -> Result<(), Fault> {
+        row.numbers.resize(self.names.len(), 0.0);
+        let mut found = 0;
+        let mut extra = None;
+        for field in fields {
+            if found < self.names.len() {
+                self.read_cell(found, field, row)?;
+            } else if extra.is_none() && !field.is_empty() {
+                extra = Some(shown(field));
+            }
+            found += 1;
+        }
+        if found < self.names.len() {
+            return Err(Fault::Few { found });
+        }
+        extra.map_or(Ok(()), |word| Err(Fault::Many { found, word }))
+    }
+
+    fn read_cell(&self, column: usize, word: &[u8], row: &mut Row) -> Result<(), Fault> {
+        match self.cells[column] {
+            Cell::Text => {}
+            Cell::Number if word.is_empty() && !self.needed[column] => row.numbers[column] = f64::NAN,
+            Cell::Number => match number(word) {
+                Some(value) => row.numbers[column] = value,
+                None => return Err(Fault::Number { column, word: shown(word) }),
+            },
+            Cell::Id | Cell::Type => {
+                let Some(value) = integer(word) else {
+                    return Err(Fault::Integer { column, word: shown(word) });
+                };
+                // Compared with a repeated column's; the exact value goes beside it.
+                row.numbers[column] = value as f64;
+                if self.id == Some(column) {
+                    row.id = value;
+                } else if self.kind == Some(column) {
+                    row.kind = value;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn word_at(line: &[u8], at: usize) -> &[u8] {
+    words(&line[at..]).next().unwrap_or_default()
+}
+
+/// Groups of columns that number their components: `c_st[1] … c_st[6]`, `v:0 v:1 v:2`, `v_x v_y v_z`.
+fn arrays(names: &[String], free: &[bool], dialect: Dialect) -> Vec<Group> {
+    // Keyed by base name and style of numbering; values are component → column.
+    let mut found: BTreeMap<(String, u8), BTreeMap<usize, usize>> = BTreeMap::new();
+    for (column, name) in names.iter().enumerate().filter(|&(c, _)| free[c]) {
+        let member = bracketed(name).or_else(|| if dialect == Dialect::Table { suffixed(name) } else { None });
+        if let Some((base, style, component)) = member {
+            found.entry((base.into(), style)).or_default().insert(component, column);
+        }
+    }
+    let mut groups = Vec::new();
+    for ((base, style), members) in found {
+        let start = usize::from(style == b'[');
+        let consecutive = members.keys().copied().eq(start..start + members.len());
+        if members.len() < 2 || !consecutive || (style == b'_' && members.len() != 3) {
+            continue;
+        }
+        let columns: Vec<usize> = members.into_values().collect();
+        let name = match (dialect, columns.len(), base.as_str()) {
+            (Dialect::Table, 3, "v") => "velocity".into(),
+            (Dialect::Table, 3, "f") => "force".into(),
+            (Dialect::Table, 3, "omega") => "angular_velocity".into(),
+            _ => base,
+        };
+        groups.push(Group { name, columns });
+    }
+    groups
+}
+
+fn bracketed(name: &str) -> Option<(&str, u8, usize)> {
+    let (base, index) = name.strip_suffix(']')?.rsplit_once('[')?;
+    Some((base, b'[', index.parse().ok()?))
+}
+
+fn suffixed(name: &str) -> Option<(&str, u8, usize)> {
+    if let Some((base, index)) = name.rsplit_once(':') {
+        return Some((base, b':', index.parse().ok()?));
+    }
+    let (base, axis) = name.rsplit_once('_')?;
+    let component = ["x", "y", "z"].iter().position(|a| axis.eq_ignore_ascii_case(a))?;
+    (!base.is_empty()).then_some((base, b'_', component))
+}
+
+/// Why rows with these columns are no balls, and what to do; `None` where nothing speaks against it.
+pub(crate) fn non_spherical(names: &[String]) -> Option<(String, String)> {
+    const SHAPES: [&str; 18] = [
+        "shapex",
+        "shapey",
+        "shapez",
+        "blockiness1",
+        "blockiness2",
+        "roundness1",
+        "roundness2",
+        "quat1",
+        "quat2",
+        "quat3",
+        "quat4",
+        "quatw",
+        "quati",
+        "quatj",
+        "quatk",
+        "c_shape[1]",
+        "c_quat[4]",
+        "c_orient[4]",
+    ];
+    const CLUMPS: [&str; 6] = ["id_multisphere", "clumptype", "nrigid", "body", "clump", "clump_id"];
+    const CLUMP_STARTS: [&str; 5] = ["c_clump", "f_clump", "i_clump", "c_body", "i_body"];
+    let (column, what) = names.iter().find_map(|name| {
+        if SHAPES.contains(&name.as_str()) {
+            Some((name, "ellipsoids or superquadrics"))
+        } else if CLUMPS.contains(&name.as_str()) || CLUMP_STARTS.iter().any(|start| name.starts_with(start)) {
+            Some((name, "members of clumps, whose overlaps would be counted twice"))
+        } else {
+            None
+        }
+    })?;
+    let remedy =
+        "only balls are read; to take each row as a ball of its own all the same, allow non-spherical particles";
+    Some((format!("column '{column}' says that the particles are {what}"), remedy.into()))
+}

@@ -1,0 +1,21 @@
+//! OpenFOAM: polyhedral meshes, fields on cells, particle clouds.
+//!
+//! All files share one syntax: a `FoamFile` header that states format and number widths, comments as in C++,
+//! lists `N(…)`, `N{value}` or raw bytes between parentheses, dictionaries in braces. Plain files and `.gz`
+//! beside or instead of them are read alike.
+
+mod boundary;
+mod decomposed;
+mod fields;
+mod header;
+mod lagrangian;
+mod list;
+mod locate;
+mod poly_mesh;
+mod stream;
+
+pub use fields::{
+    Dimensions, FieldEncoding, InternalField, InternalValues, VolField, read_internal_field, write_vol_field,
+};
+pub use lagrangian::read_cloud;
+pub use poly_mesh::read_poly_mesh;
