@@ -136,7 +136,8 @@ impl Periodic {
             low[k] >= domain.low()[k] - slack && high[k] <= domain.high()[k] + slack
         };
         let axes: [bool; 3] = std::array::from_fn(|k| domain.periodic()[k] && inside(k));
-        let refused: String = (0..3).filter(|&k| domain.periodic()[k] && !axes[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+        let refused: String =
+            (0..3).filter(|&k| domain.periodic()[k] && !axes[k]).map(|k| ['x', 'y', 'z'][k]).collect();
         let note = (!refused.is_empty()).then(|| {
             format!(
                 "the box is periodic along {refused}, but the mesh reaches beyond it there: no images are made \

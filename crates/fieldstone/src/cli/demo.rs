@@ -60,7 +60,10 @@ impl Demo {
         let seconds = ["read", "search", "overlap", "write"].map(|p| (p.to_string(), timing.seconds(p).into()));
         let json = fraction::summary(&outcome, inverted, serde_json::Map::from_iter(seconds));
         AtomicFile::write(&self.folder.join("summary.json"), |out| writeln!(out, "{json:#}"))?;
-        println!("\nresults in {}: open solid_fraction.vtu in ParaView, look at solid_fraction.png", self.folder.display());
+        println!(
+            "\nresults in {}: open solid_fraction.vtu in ParaView, look at solid_fraction.png",
+            self.folder.display()
+        );
         Ok(())
     }
 }

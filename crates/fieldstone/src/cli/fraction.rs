@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use std::io::Write as _;
+
 use anyhow::{Context, bail};
 use clap::Args;
 use fieldstone::fields::{Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed};
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
-use fieldstone::io::vtk::{self, VtkEncoding};
+use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
 use fieldstone::io::{AtomicFile, DataArray, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
 use fieldstone::particles::Particles;
@@ -25,7 +27,7 @@ use super::timing::Timing;
 #[command(after_long_help = "Examples:\n  \
     fieldstone fraction --mesh case --particles dump.liggghts --out solid.vtu\n  \
     fieldstone fraction --mesh case --particles dump.liggghts --out case/0\n  \
-    fieldstone fraction --grid 0,0.04,0,0.04,0,0.08 --cells 20,20,40 --particles post/*.vtk --out solid.vti\n  \
+    fieldstone fraction --grid 0,0.04,0,0.04,0,0.08 --cells 20,20,40 --particles dump.liggghts.gz --out solid.vti\n  \
     fieldstone fraction --mesh vessel.msh --particles xyz.csv --diameter 0.006 --method divided --out rough.csv\n\n\
     Units: all lengths as in the input; volumes are their cubes.")]
 pub(crate) struct Fraction {
@@ -142,9 +144,9 @@ pub(crate) fn compute<C: Cells>(
     timing: &mut Timing,
 ) -> anyhow::Result<Outcome> {
     let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()));
-    let bar = ProgressBar::new(particles.len() as u64).with_style(
-        ProgressStyle::with_template("{bar:30} {percent:>3} %  {human_pos} of {human_len} particles, {eta} left")?,
-    );
+    let bar = ProgressBar::new(particles.len() as u64).with_style(ProgressStyle::with_template(
+        "{bar:30} {percent:>3} %  {human_pos} of {human_len} particles, {eta} left",
+    )?);
     let done = AtomicUsize::new(0);
     let fields = timing.measure("overlap", || {
         solid_fraction_observed(cells, particles, options, &|n| {
@@ -231,7 +233,10 @@ impl<'a> Target<'a> {
             let faces = mesh.parts().owner.len();
             let covered: usize = mesh.parts().patches.iter().map(|p| p.count).sum();
             if covered != faces - mesh.parts().neighbour.len() {
-                bail!("--out {}: the mesh's patches do not cover its boundary, so OpenFOAM could not read the fields", path.display());
+                bail!(
+                    "--out {}: the mesh's patches do not cover its boundary, so OpenFOAM could not read the fields",
+                    path.display()
+                );
             }
         }
         Ok(())
@@ -260,13 +265,15 @@ fn is_time_folder(path: &Path) -> bool {
 }
 
 pub(crate) fn write_vtu(path: &Path, mesh: &Mesh, outcome: &Outcome) -> anyhow::Result<()> {
-    vtk::write_vtu(path, mesh, &cell_data(outcome), &[], &VtkEncoding::default())?;
+    let cells = cell_data(outcome);
+    vtk::write_vtu(path, mesh, VtkArrays { cells: &cells, ..VtkArrays::default() }, VtkEncoding::default())?;
     Ok(())
 }
 
 fn write_vti(path: &Path, grid: &Grid, outcome: &Outcome) -> anyhow::Result<()> {
     let image = vtk::VtkImage::aligned(grid.low(), grid.spacing(), grid.cells());
-    vtk::write_vti(path, &image, &cell_data(outcome), &[], &VtkEncoding::default())?;
+    let cells = cell_data(outcome);
+    vtk::write_vti(path, &image, VtkArrays { cells: &cells, ..VtkArrays::default() }, VtkEncoding::default())?;
     Ok(())
 }
 

@@ -33,7 +33,8 @@ impl Timing {
         let mut text = String::from("phase            seconds   share\n");
         for (phase, time) in &self.phases {
             let seconds = time.as_secs_f64();
-            let _ = writeln!(text, "{phase:<14} {seconds:>9.4} {:>6.1} %", 100.0 * seconds / total.max(f64::MIN_POSITIVE));
+            let _ =
+                writeln!(text, "{phase:<14} {seconds:>9.4} {:>6.1} %", 100.0 * seconds / total.max(f64::MIN_POSITIVE));
         }
         let _ = writeln!(text, "{:<14} {total:>9.4}", "total");
         text
