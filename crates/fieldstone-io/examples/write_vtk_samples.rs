@@ -8,7 +8,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use fieldstone_io::vtk::{
-    VtkArrays, VtkCompression, VtkEncoding, VtkFormat, VtkImage, read_vtk_mesh, write_pvd, write_vti,
+    VtkArrays, VtkCompression, VtkEncoding, VtkFormat, VtkImage, VtkWedges, read_vtk_mesh, write_pvd, write_vti,
     write_vtp_particles, write_vtp_surface, write_vtu,
 };
 use fieldstone_io::{DataArray, Values};
@@ -71,6 +71,7 @@ impl Samples {
         let path = self.add(
             name,
             json!({
+                "wedges_before_vtk97": encoding.wedges == VtkWedges::BeforeVtk97,
                 "points": mesh.parts().points, "volumes": mesh.cell_volumes(), "time": 0.75,
                 "point_data": json_columns(&points), "cell_data": json_columns(&cells),
             }),
@@ -160,6 +161,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     samples.grid("large.vti", &large, VtkEncoding::default())?;
     let flat = VtkImage::aligned([0.0; 3], [1.0; 3], [5, 4, 0]);
     samples.grid("flat.vti", &flat, VtkEncoding::default())?;
+
+    let old = VtkEncoding { wedges: VtkWedges::BeforeVtk97, ..VtkEncoding::default() };
+    samples.mesh("wedges_before_vtk97.vtu", &standard, old)?;
 
     let steps = [(0.0, "standard_raw_zlib.vtu".into()), (0.5, "polyhedra_raw_zlib.vtu".into())];
     write_pvd(&folder.join("series.pvd"), &steps)?;
