@@ -1,5 +1,7 @@
 //! Solid fractions that are known in closed form.
 
+#![allow(clippy::unwrap_used)]
+
 use std::f64::consts::PI;
 
 use fieldstone_fields::{Method, SolidFractionOptions, Weights, solid_fraction};
@@ -118,10 +120,10 @@ fn moving_everything_through_a_periodic_box_changes_nothing() {
     let (still, grid) = field([0.0, 0.0]);
     for (i, j) in [(1, 0), (3, 5), (-7, 11)] {
         let (moved, _) = field([f64::from(i) * 0.25, f64::from(j) * 0.25]);
-        for cell in 0..still.len() {
+        for (cell, value) in still.iter().enumerate() {
             let [a, b, c] = grid.indices(cell);
             let to = [(a as i32 + i).rem_euclid(4) as usize, (b as i32 + j).rem_euclid(8) as usize, c];
-            assert!((moved[grid.cell_at(to)] - still[cell]).abs() < 1e-13);
+            assert!((moved[grid.cell_at(to)] - value).abs() < 1e-13);
         }
     }
 }

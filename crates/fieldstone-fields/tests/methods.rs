@@ -1,5 +1,7 @@
 //! All methods through one suite: what each must hold, and what the approximations get wrong.
 
+#![allow(clippy::unwrap_used)]
+
 use fieldstone_fields::{FieldsError, Method, SolidFractionOptions, Weights, count_centres, solid_fraction};
 use fieldstone_geometry::{CornerOrder, ElementKind};
 use fieldstone_mesh::{CellList, Grid, Mesh};

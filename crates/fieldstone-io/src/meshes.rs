@@ -30,10 +30,11 @@ fn format_of(path: &Path) -> Result<Format, IoError> {
         return Ok(Format::OpenFoam);
     }
     let mut start = Vec::new();
-    source::open(path)?
-        .take(512)
-        .read_to_end(&mut start)
-        .map_err(|source| IoError::System { path: path.into(), action: "read", source })?;
+    source::open(path)?.take(512).read_to_end(&mut start).map_err(|source| IoError::System {
+        path: path.into(),
+        action: "read",
+        source,
+    })?;
     let start = start.trim_ascii_start();
     let begins = |text: &str| start.starts_with(text.as_bytes());
     if begins("$MeshFormat") || begins("$Comments") {

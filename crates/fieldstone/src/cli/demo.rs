@@ -1,7 +1,6 @@
 //! `fieldstone demo`: the main job on data that comes with the program.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -119,10 +118,14 @@ fn picture(path: &Path, mesh: &Mesh, particles: &Particles, fraction: &[f64]) ->
         .zip(particles.radii()?)
         .filter_map(|(&centre, &radius)| plane.circle(centre, radius))
         .collect();
+    // The empty upper part of the mesh would make the packing small.
+    let top = particles.positions().iter().zip(particles.radii()?).map(|(p, r)| p[2] + r).fold(0.0, f64::max);
+    let (low, mut high) = mesh.bounds();
+    high[2] = high[2].min(1.15 * top);
     let slice = Slice {
         title: "2,400 spheres in a cylinder, slice y = 0".into(),
         plane,
-        bounds: mesh.bounds(),
+        bounds: (low, high),
         range: [0.0, 1.0],
         label: "solid fraction",
         circles,

@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use std::io::Write as _;
-
 use anyhow::{Context, bail};
 use clap::Args;
 use fieldstone::fields::{Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed};

@@ -161,6 +161,13 @@ pub(crate) fn draw(
             .map_err(|e| drawing(&e))?;
         root.present().map_err(|e| drawing(&e))?;
     }
+    // Temporary files are private; pictures are as readable as any file that the user creates.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o644))
+            .with_context(|| format!("{}: cannot write", path.display()))?;
+    }
     file.persist(path).with_context(|| format!("{}: cannot write", path.display()))?;
     Ok(())
 }
