@@ -4,6 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::ElementKind;
+use crate::double_double::cross_of_differences;
 
 /// Largest distance of a corner from its face's plane, in units of the element's size, for a face to count as planar.
 ///
@@ -290,12 +291,13 @@ fn edges(kind: ElementKind, points: &[DVec3; 8]) -> Result<([Edge; 12], usize), 
 /// Plane of a face: the area vector's direction, through the mean of the corners.
 fn plane(corners: &[usize], points: &[DVec3; 8]) -> Face {
     let centre = corners.iter().map(|&v| points[v]).sum::<DVec3>() / corners.len() as f64;
-    // Half the cross product of the diagonals is a quadrilateral's area vector.
-    let (a, b) = match corners {
-        [a, b, c] => (points[*b] - points[*a], points[*c] - points[*a]),
-        _ => (points[corners[2]] - points[corners[0]], points[corners[3]] - points[corners[1]]),
+    // Half the cross product of the diagonals is a quadrilateral's area vector. A needle's sides are nearly parallel,
+    // hence the extended precision.
+    let (a, b) = match *corners {
+        [a, b, c] => ([points[b], points[a]], [points[c], points[a]]),
+        _ => ([points[corners[2]], points[corners[0]]], [points[corners[3]], points[corners[1]]]),
     };
-    Face { normal: a.cross(b).normalize_or_zero(), centre }
+    Face { normal: cross_of_differences(a, b).normalize_or_zero(), centre }
 }
 
 /// Sum of the tetrahedra from corner 0 to each triangle of each face's fan.
