@@ -40,10 +40,10 @@ impl Cone<'_> {
         let collapsed = reach.map(|s| s <= EPSILON);
         if let Some(third) = [0, 1, 2].into_iter().find(|i| collapsed[(i + 1) % 3] && collapsed[(i + 2) % 3]) {
             let edge = usize::from(self.vertex.edges[third]);
-            let leaves = self.point.dot(self.into_element(third)) > 0.0;
+            let leaves = self.point.dot(self.inward(third)) > 0.0;
             return if leaves { self.wedges[edge] } else { Part::default() };
         }
-        let y = [0, 1, 2].map(|j| self.into_element(j) * -reach[j]);
+        let y = [0, 1, 2].map(|j| self.inward(j) * -reach[j]);
         // The edges are right-handed, so their extensions, turned round, are left-handed: y0 → y2 → y1 runs
         // counter-clockwise seen from outside the cone, and this normal points away from the vertex.
         let Some(base) = cross_of_differences([y[2], y[0]], [y[1], y[0]]).try_normalize() else {
@@ -71,7 +71,7 @@ impl Cone<'_> {
 
     /// Direction of one of the vertex's edges, out of the vertex.
     #[inline(always)]
-    fn into_element(&self, which: usize) -> DVec3 {
+    fn inward(&self, which: usize) -> DVec3 {
         let edge = &self.edges[usize::from(self.vertex.edges[which])];
         if edge.vertices[0] == self.index { edge.direction } else { -edge.direction }
     }

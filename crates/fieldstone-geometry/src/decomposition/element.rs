@@ -12,6 +12,9 @@ use crate::double_double::cross_of_differences;
 /// of about that size times the face's area.
 pub const PLANARITY_TOLERANCE: f64 = 1e-10;
 
+/// Coordinates beyond it would overflow in a volume.
+const LARGEST_COORDINATE: f64 = 1e100;
+
 /// Volume below which an element counts as flat, in units of the cube of its size.
 const FLATNESS_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 
@@ -19,8 +22,10 @@ const FLATNESS_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DecompositionElementError {
-    /// A coordinate is infinite or not a number.
-    #[error("corner {corner} of the {kind} is at {at:?}; every coordinate must be a finite number")]
+    /// A coordinate is infinite, not a number, or so large that volumes overflow.
+    #[error(
+        "corner {corner} of the {kind} is at {at:?}; every coordinate must be a number within ±{LARGEST_COORDINATE:e}"
+    )]
     NotFinite {
         /// Shape asked for.
         kind: ElementKind,
@@ -214,7 +219,7 @@ impl DecompositionElement {
         let mut points = [DVec3::ZERO; 8];
         for (corner, &at) in corners.iter().enumerate() {
             points[corner] = DVec3::from(at);
-            if !points[corner].is_finite() {
+            if at.iter().any(|x| !x.is_finite() || x.abs() > LARGEST_COORDINATE) {
                 return Err(E::NotFinite { kind, corner, at });
             }
         }
@@ -225,7 +230,7 @@ impl DecompositionElement {
 
         let (edges, edge_count) = edges(kind, &points)?;
         let volume = signed_volume(kind, &points);
-        if !(volume.abs() > FLATNESS_TOLERANCE * size * size * size) {
+        if volume.abs() <= FLATNESS_TOLERANCE * size * size * size {
             return Err(E::ZeroVolume { kind, volume, size });
         }
         if volume < 0.0 {
@@ -270,7 +275,7 @@ fn edges(kind: ElementKind, points: &[DVec3; 8]) -> Result<([Edge; 12], usize), 
             }
             let along = points[to] - points[from];
             let length = along.length();
-            if !(length > 0.0) {
+            if length == 0.0 {
                 let (first, second) = (from.min(to), from.max(to));
                 let at = points[from].to_array();
                 return Err(DecompositionElementError::CoincidentCorners { kind, first, second, at });

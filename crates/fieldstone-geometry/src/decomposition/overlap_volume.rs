@@ -47,6 +47,7 @@ fn overlap(centre: [f64; 3], radius: f64, element: &DecompositionElement) -> Ove
     if found.vertices.count_ones() == u32::from(element.counts.vertices) {
         return Overlap::WholeElement;
     }
+    // The planes are needed below; that one of them keeps the ball outside is a second coarse test for nothing.
     if !found.planes(element, centre, inverse_radius) {
         return Overlap::Nothing;
     }
@@ -96,6 +97,8 @@ fn partial(element: &DecompositionElement, found: &Intersections) -> Part {
             Cone { vertex, point: found.points[index], edges, faces, reach, wedges: &wedges, index: index as u8 };
         part -= cone.part();
     }
+    // A wrong set of primitives misses by a whole wedge or cone: do not let the clamp below hide it.
+    debug_assert!(part.volume > -1e-12 && part.area > -1e-12, "negative overlap {part:?} with {found:?}");
     // Rounding can leave a tiny negative number where the overlap is next to nothing.
     Part { volume: part.volume.max(0.0), area: part.area.max(0.0) }
 }
