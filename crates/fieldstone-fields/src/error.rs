@@ -16,6 +16,14 @@ pub enum FieldsError {
         /// The reason.
         source: BallError,
     },
+    /// A cell cannot be decomposed.
+    #[error("cell {cell}: {source}")]
+    Decomposition {
+        /// The cell.
+        cell: usize,
+        /// The reason.
+        source: fieldstone_geometry::decomposition::DecompositionElementError,
+    },
     /// A method's name is not known.
     #[error(
         "there is no method '{0}'; choose one of kernel, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"

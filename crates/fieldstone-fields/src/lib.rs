@@ -18,5 +18,5 @@ pub use ledger::Ledger;
 pub use method::Method;
 pub use neumaier::NeumaierSum;
 pub use smoothing::smooth_conservatively;
-pub use solid_fraction::{SolidFraction, SolidFractionOptions, count_centres, solid_fraction};
+pub use solid_fraction::{SolidFraction, SolidFractionOptions, count_centres, solid_fraction, solid_fraction_observed};
 pub use weights::Weights;

@@ -69,6 +69,19 @@ pub fn solid_fraction<C: Cells>(
     particles: &Particles,
     options: &SolidFractionOptions,
 ) -> Result<SolidFraction, FieldsError> {
+    solid_fraction_observed(cells, particles, options, &|_| ())
+}
+
+/// As [`solid_fraction`]; `done` is called from any thread with the number of particles just binned.
+///
+/// # Errors
+/// As [`solid_fraction`].
+pub fn solid_fraction_observed<C: Cells>(
+    cells: &C,
+    particles: &Particles,
+    options: &SolidFractionOptions,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<SolidFraction, FieldsError> {
     let count = particles.len();
     let ones;
     let parcels = match &options.parcel_weights {
@@ -89,7 +102,7 @@ pub fn solid_fraction<C: Cells>(
     {
         return Err(FieldsError::Option { name: "the cap", value: cap, allowed: "above 0 and at most 1" });
     }
-    let weights = Weights::build(cells, particles, options.method, options.domain.as_ref())?;
+    let weights = Weights::build_observed(cells, particles, options.method, options.domain.as_ref(), done)?;
     if weights.cells().is_empty() && count > 0 {
         return Err(nothing_inside(cells, particles));
     }

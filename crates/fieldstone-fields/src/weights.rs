@@ -59,16 +59,33 @@ impl Weights {
         method: Method,
         domain: Option<&Domain>,
     ) -> Result<Self, FieldsError> {
+        Self::build_observed(cells, particles, method, domain, &|_| ())
+    }
+
+    /// As [`Weights::build`]; `done` is called from any thread with the number of particles just binned.
+    ///
+    /// # Errors
+    /// As [`Weights::build`].
+    pub fn build_observed<C: Cells>(
+        cells: &C,
+        particles: &Particles,
+        method: Method,
+        domain: Option<&Domain>,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Self, FieldsError> {
         let radii = particles.radii()?;
         let positions = particles.positions();
-        let binning = Binning::new(cells, method);
+        let binning = Binning::new(cells, method)?;
         let blocks: Vec<Block> = (0..positions.len().div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
                 || cells.scratch(),
                 |scratch, block| {
                     let range = block * BLOCK..positions.len().min((block + 1) * BLOCK);
-                    bin_block(&binning, range, positions, radii, domain, scratch)
+                    let count = range.len();
+                    let block = bin_block(&binning, range, positions, radii, domain, scratch);
+                    done(count);
+                    block
                 },
             )
             .collect::<Result<_, _>>()?;

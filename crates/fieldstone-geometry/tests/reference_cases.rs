@@ -1,5 +1,7 @@
 //! The kernel against 1,200 values in 60 digits, family by family.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 
 use fieldstone_geometry::{

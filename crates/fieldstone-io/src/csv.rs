@@ -158,10 +158,11 @@ impl Header {
         let first: Vec<&[u8]> = fields(line, separator).collect();
         let columns = first.len();
         let numeric = first.iter().all(|field| number(field).is_some());
-        let commented = comments.iter().rev().find_map(|comment| {
-            let names: Vec<String> = fields(comment, Separator::of_names(comment)).map(unquoted).collect();
-            (names.len() == columns && names.iter().all(|name| number(name.as_bytes()).is_none())).then_some(names)
-        });
+        let mut commented: Vec<Vec<String>> = comments.iter().rev().map(|comment| names_in(comment)).collect();
+        commented.retain(|names| names.len() == columns && names.iter().all(|name| number(name.as_bytes()).is_none()));
+        // A sentence may happen to have as many words as there are columns: names that make coordinates go first.
+        let best = commented.iter().position(|names| Columns::new(names.clone(), Dialect::Table).is_ok());
+        let commented = best.map(|index| commented.swap_remove(index)).or_else(|| commented.into_iter().next());
         let stated = comments.iter().rev().find_map(|comment| yade_names(comment, columns));
         let unnamed = match columns {
             3 | 4 if numeric => Some(["x", "y", "z", "r"].iter().take(columns).map(ToString::to_string).collect()),
@@ -175,6 +176,10 @@ impl Header {
         let text = names.join(separator.as_str());
         Ok(Self { names, separator, text })
     }
+}
+
+fn names_in(line: &[u8]) -> Vec<String> {
+    fields(line, Separator::of_names(line)).map(unquoted).collect()
 }
 
 fn unquoted(name: &[u8]) -> String {

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 
 use fieldstone_particles::Particles;
 
+use crate::columns::non_spherical;
 use crate::lines::{integer, number, shown, words};
-use crate::{CsvReader, DumpReader, FrameReader, IoError, MercuryReader, XyzReader, source};
+use crate::openfoam::read_cloud;
+use crate::vtk::read_vtk_particles;
+use crate::{CsvReader, DumpReader, FrameReader, IoError, MercuryReader, Position, XyzReader, source};
 
 /// Options for reading particles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -28,6 +31,12 @@ impl Start<'_> {
     fn lines(&self) -> impl Iterator<Item = &[u8]> {
         let lines = self.bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
         lines.skip_while(|line| line.is_empty())
+    }
+
+    /// Whether the first line begins with one of these.
+    fn begins(&self, texts: &[&str]) -> bool {
+        let first = self.lines().next().unwrap_or_default();
+        texts.iter().any(|text| first.starts_with(text.as_bytes()))
     }
 
     /// Numbers in line `index`; `None` where it holds anything else.
@@ -56,7 +65,16 @@ const FORMATS: &[Format] = &[
         fits: |start| start.bytes.trim_ascii_start().starts_with(b"ITEM:"),
         open: |path, options| Ok(Box::new(DumpReader::open_with(path, options)?)),
     },
-    // A reader of whole files joins by one entry: `open: |path, _| Ok(Box::new(OneFrame::new(path, FUNCTION)))`.
+    Format {
+        name: "VTK",
+        fits: |start| start.begins(&["# vtk DataFile", "<?xml", "<VTKFile"]),
+        open: |path, options| Ok(whole_file(path, options, read_vtk_particles)),
+    },
+    Format {
+        name: "OpenFOAM cloud",
+        fits: |start| start.path.is_dir() || start.begins(&["/*", "FoamFile"]),
+        open: |path, options| Ok(whole_file(path, options, read_cloud)),
+    },
     Format {
         name: "MercuryDPM .data",
         fits: |start| {
@@ -91,24 +109,16 @@ const FORMATS: &[Format] = &[
 
 /// Formats that are known by their first bytes or name, but from which no particles are read here.
 fn other_format(start: &Start) -> Option<&'static str> {
-    let first = start.lines().next().unwrap_or_default();
-    let begins = |text: &str| first.starts_with(text.as_bytes());
-    if begins("# vtk DataFile") || begins("<?xml") || begins("<VTKFile") {
-        return Some("a VTK file");
-    }
-    if begins("/*") || begins("FoamFile") {
-        return Some("an OpenFOAM file");
-    }
-    if begins("MercuryDPM") {
+    if start.begins(&["MercuryDPM"]) {
         return Some("a MercuryDPM .restart file; the particles are read from the .data file");
     }
-    if begins("LAMMPS") || begins("LIGGGHTS") {
+    if start.begins(&["LAMMPS", "LIGGGHTS"]) {
         return Some("a data file to start a simulation from; the particles are read from dumps");
     }
-    if begins("{") || begins("[") {
+    if start.begins(&["{", "["]) {
         return Some("a JSON file");
     }
-    if begins("solid") || begins("ply") {
+    if start.begins(&["solid", "ply"]) {
         return Some("a file of triangles or points (STL, PLY)");
     }
     if start.named(&[".fstat"]) {
@@ -117,10 +127,23 @@ fn other_format(start: &Start) -> Option<&'static str> {
     None
 }
 
+/// A reader for the only frame of a file that a function reads as a whole.
+fn whole_file(path: &Path, options: &ParticleOptions, read: fn(&Path) -> Result<Particles, IoError>) -> Reader {
+    let allowed = options.allow_non_spherical;
+    Box::new(OneFrame::new(path, move |path: &Path| {
+        let particles = read(path)?;
+        let names: Vec<String> = particles.quantities().iter().map(|quantity| quantity.name.clone()).collect();
+        match non_spherical(&names) {
+            Some((found, remedy)) if !allowed => Err(IoError::content(path, Position::File, found, remedy)),
+            _ => Ok(particles),
+        }
+    }))
+}
+
 /// Opens a file of particles, deciding on the format by its content.
 ///
-/// LIGGGHTS and LAMMPS text dumps, MercuryDPM `.data`, XYZ and tables (CSV, `# x y z`, YADE's text export) are
-/// read; all of them compressed with gzip, too.
+/// LIGGGHTS and LAMMPS text dumps, VTK points, OpenFOAM clouds (by their folder or a file), MercuryDPM `.data`,
+/// XYZ and tables (CSV, `# x y z`, YADE's text export) are read; all of them compressed with gzip, too.
 ///
 /// # Errors
 /// [`IoError::UnknownFormat`] tells what the content looks like; [`IoError::System`] where the file cannot be
@@ -137,11 +160,10 @@ fn other_format(start: &Start) -> Option<&'static str> {
 /// ```
 pub fn open_particles(path: &Path, options: &ParticleOptions) -> Result<Box<dyn FrameReader + Send>, IoError> {
     let mut bytes = Vec::new();
-    source::open(path)?.take(1 << 13).read_to_end(&mut bytes).map_err(|source| IoError::System {
-        path: path.into(),
-        action: "read",
-        source,
-    })?;
+    if !path.is_dir() {
+        let read = source::open(path)?.take(1 << 13).read_to_end(&mut bytes);
+        read.map_err(|source| IoError::System { path: path.into(), action: "read", source })?;
+    }
     let unknown = |found: String| IoError::UnknownFormat {
         path: path.into(),
         found,
@@ -150,7 +172,7 @@ pub fn open_particles(path: &Path, options: &ParticleOptions) -> Result<Box<dyn 
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
     }
-    if bytes.trim_ascii().is_empty() {
+    if bytes.trim_ascii().is_empty() && !path.is_dir() {
         return Err(unknown("the file is empty".into()));
     }
     let start = Start { path, bytes: &bytes };

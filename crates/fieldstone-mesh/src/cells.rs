@@ -2,6 +2,9 @@
 
 use fieldstone_geometry::{Ball, ElementKind};
 
+/// Receives the parts of a cell: sign, kind, corners in CGNS order. See [`Cells::for_each_element`].
+pub type ElementSink<'a> = dyn FnMut(f64, ElementKind, &[[f64; 3]]) + 'a;
+
 /// Cells that balls, boxes and points are placed into: a [`crate::Mesh`] or a [`crate::Grid`].
 ///
 /// Volumes are reported as pairs (cell, volume), sorted by cell, without zeros; what of a ball lies outside all
@@ -40,5 +43,5 @@ pub trait Cells: Sync {
 
     /// A cell as a signed sum of elements of standard kinds with planar faces, corners in CGNS order: the cell
     /// itself where it is one, else tetrahedra.
-    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]]));
+    fn for_each_element(&self, cell: usize, visit: &mut ElementSink<'_>);
 }

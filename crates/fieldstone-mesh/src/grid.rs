@@ -2,6 +2,7 @@
 
 use fieldstone_geometry::{Ball, ElementKind, corner_volume};
 
+use crate::cells::ElementSink;
 use crate::{Cells, MeshError};
 
 /// A grid of equal boxes; cells are numbered with x fastest.
@@ -252,7 +253,7 @@ impl Cells for Grid {
         }
     }
 
-    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]])) {
+    fn for_each_element(&self, cell: usize, visit: &mut ElementSink<'_>) {
         let (low, high) = self.cell_bounds(cell);
         let sides = [[low[0], high[0]], [low[1], high[1]], [low[2], high[2]]];
         let order = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];

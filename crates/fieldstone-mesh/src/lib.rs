@@ -21,7 +21,7 @@ mod surface;
 
 pub use ball_overlap::{CellOverlap, MeshScratch};
 pub use cell_list::CellList;
-pub use cells::Cells;
+pub use cells::{Cells, ElementSink};
 pub use error::MeshError;
 pub use grid::{Grid, GridScratch};
 pub use mesh::{Mesh, MeshParts, Patch, Zone};

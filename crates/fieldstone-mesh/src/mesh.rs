@@ -396,7 +396,7 @@ fn check(parts: &MeshParts) -> Result<(), MeshError> {
         }
     }
     for patch in &parts.patches {
-        let end = patch.start.checked_add(patch.count).unwrap_or(usize::MAX);
+        let end = patch.start.saturating_add(patch.count);
         if end > faces {
             return Err(MeshError::Count { what: "faces up to the last patch", found: end, expected: faces });
         }

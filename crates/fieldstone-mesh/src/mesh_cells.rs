@@ -3,6 +3,7 @@
 use fieldstone_geometry::{Ball, ElementKind};
 use glam::DVec3;
 
+use crate::cells::ElementSink;
 use crate::{Cells, Mesh, MeshScratch};
 
 impl Cells for Mesh {
@@ -56,7 +57,7 @@ impl Cells for Mesh {
         self.tree.query(&self.bounds, DVec3::from(low), DVec3::from(high), visit);
     }
 
-    fn for_each_element(&self, cell: usize, visit: &mut dyn FnMut(f64, ElementKind, &[[f64; 3]])) {
+    fn for_each_element(&self, cell: usize, visit: &mut ElementSink<'_>) {
         let planar = self.cell_faces(cell).iter().all(|&face| self.surface.pieces(face as usize).len() == 1);
         let kind = self.cell_kind(cell);
         let upright = self.orientation(cell) > 0.0;

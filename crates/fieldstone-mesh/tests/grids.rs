@@ -1,5 +1,7 @@
 //! Grids against the general kernel, cell by cell, and against closed forms.
 
+#![allow(clippy::unwrap_used)]
+
 use fieldstone_geometry::{Ball, Polyhedron, corner_volume, overlap_volume};
 use fieldstone_mesh::{Cells, Grid};
 use proptest::prelude::*;

@@ -1,5 +1,7 @@
 //! Meshes built in the test: shared faces, shapes, the face-once path against the per-element path.
 
+#![allow(clippy::unwrap_used)]
+
 use fieldstone_geometry::{Ball, CornerOrder, ElementKind, overlap, overlap_volume};
 use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
 use proptest::prelude::*;

@@ -12,9 +12,10 @@ pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository exists")
 }
 
-/// A file or folder below the repository's `data`.
+/// A file or folder of the data in the repository: below `data`, or among the demo's input.
 pub fn data(name: &str) -> PathBuf {
-    repository().join("data").join(name)
+    let path = repository().join("data").join(name);
+    if path.exists() { path } else { repository().join("crates/fieldstone/demo").join(name) }
 }
 
 /// A file or folder of the extended data sets; `None`, said on standard error, where it is missing.

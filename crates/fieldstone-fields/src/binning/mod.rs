@@ -2,12 +2,13 @@
 
 mod centre;
 mod cube;
+mod decomposition;
 mod points;
 
 use fieldstone_geometry::Ball;
 use fieldstone_mesh::Cells;
 
-use crate::Method;
+use crate::{FieldsError, Method};
 
 /// A method made ready for a set of cells.
 pub(crate) struct Binning<'a, C: Cells> {
@@ -15,25 +16,33 @@ pub(crate) struct Binning<'a, C: Cells> {
     method: Method,
     /// Points of the unit ball, each standing for the same share of its volume.
     points: Vec<[f64; 3]>,
+    /// Cells in parts that the decomposition can take.
+    elements: Option<decomposition::Elements>,
 }
 
 impl<'a, C: Cells> Binning<'a, C> {
-    pub fn new(cells: &'a C, method: Method) -> Self {
+    pub fn new(cells: &'a C, method: Method) -> Result<Self, FieldsError> {
         let points = match method {
             Method::Divided => points::satellites(),
             Method::Sampled(n) => points::regular(n),
             _ => Vec::new(),
         };
-        Self { cells, method, points }
+        let elements = match method {
+            Method::Decomposition => Some(decomposition::Elements::new(cells)?),
+            _ => None,
+        };
+        Ok(Self { cells, method, points, elements })
     }
 
     /// Appends (cell, volume) pairs for `ball`, in any order and possibly several per cell.
     ///
     /// `seed` must differ between balls and be the same for a ball in every run.
     pub fn bin(&self, ball: &Ball, seed: u64, scratch: &mut C::Scratch, out: &mut Vec<(u32, f64)>) {
+        if let Some(elements) = &self.elements {
+            return elements.bin(self.cells, ball, out);
+        }
         match self.method {
-            Method::Kernel => self.cells.overlap_ball(ball, scratch, out),
-            Method::Decomposition => self.cells.overlap_ball(ball, scratch, out),
+            Method::Kernel | Method::Decomposition => self.cells.overlap_ball(ball, scratch, out),
             Method::Centre => centre::bin(self.cells, ball, scratch, out),
             Method::CentreSmoothed => centre::bin_smoothed(self.cells, ball, scratch, out),
             Method::Cube => cube::bin(self.cells, ball, scratch, out),

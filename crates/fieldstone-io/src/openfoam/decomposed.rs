@@ -7,7 +7,7 @@ use fieldstone_mesh::{MeshParts, Patch, Zone};
 use crate::{IoError, Position};
 
 use super::boundary::BoundaryPatch;
-use super::poly_mesh::{RawMesh, corners_of};
+use super::poly_mesh::RawMesh;
 
 /// Largest distance of two corners that are the same point, relative to the size of their face: OpenFOAM's
 /// own tolerance for matching patches.
@@ -26,7 +26,7 @@ pub(super) fn join(parts: Vec<(RawMesh, PathBuf)>) -> Result<RawMesh, IoError> {
     }
     let corners = |part: usize, face: usize| {
         let shift = first_point[part] as u32;
-        corners_of(&parts[part].0.parts, face).iter().map(move |&p| p + shift)
+        parts[part].0.parts.face(face).iter().map(move |&p| p + shift)
     };
 
     let mut whole = MeshParts::default();

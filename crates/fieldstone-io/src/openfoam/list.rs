@@ -334,7 +334,8 @@ mod tests {
     #[test]
     fn raw_bytes_that_look_like_text_are_not_taken_for_it() {
         let mut s = stream("format binary;", b"1(\n//)) 1( ;}x)");
-        assert!(s.list::<u32>("x", 0).is_err());
+        assert_eq!(s.list::<u32>("x", 0).unwrap(), [u32::from_le_bytes(*b"\n//)")]);
+        assert_eq!(s.list::<u32>("x", 0).unwrap(), [u32::from_le_bytes(*b" ;}x")]);
         let mut s = stream("format binary;", b"2(//()\n;\0\0) tail");
         assert_eq!(s.list::<u32>("x", 0).unwrap(), [u32::from_le_bytes(*b"//()"), u32::from_le_bytes(*b"\n;\0\0")]);
         assert_eq!(s.word().unwrap(), "tail");

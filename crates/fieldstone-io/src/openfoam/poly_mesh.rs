@@ -234,7 +234,7 @@ fn read_cells(path: &Path, name: &str, faces: usize, may_be_none: bool) -> Resul
     // Every cell has a face, and a face has at most two cells: an index above that would cost memory for nothing.
     let limit = faces.saturating_mul(2);
     let mut cells = Vec::new();
-    Stream::open(path)?.each(name, faces, |face, cell: u32| {
+    Stream::open(path)?.each(&format!("{name} cells"), faces, |face, cell: u32| {
         if cell == NO_LABEL && !may_be_none {
             return Err(Complaint {
                 found: format!("face {face} has owner -1"),
@@ -271,7 +271,7 @@ fn internal_faces_first(parts: &mut MeshParts) -> Option<Vec<u32>> {
     let mut sorted = MeshParts::default();
     for (new, &old) in order.iter().enumerate() {
         position[old] = new as u32;
-        sorted.face_points.extend_from_slice(corners_of(parts, old));
+        sorted.face_points.extend_from_slice(parts.face(old));
         sorted.face_ends.push(sorted.face_points.len());
         sorted.owner.push(parts.owner[old]);
         if new < internal {
@@ -283,10 +283,4 @@ fn internal_faces_first(parts: &mut MeshParts) -> Option<Vec<u32>> {
     parts.owner = sorted.owner;
     parts.neighbour = sorted.neighbour;
     Some(position)
-}
-
-/// Corners of one face.
-pub(super) fn corners_of(parts: &MeshParts, face: usize) -> &[u32] {
-    let start = if face == 0 { 0 } else { parts.face_ends[face - 1] };
-    &parts.face_points[start..parts.face_ends[face]]
 }

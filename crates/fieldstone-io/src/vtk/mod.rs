@@ -3,26 +3,39 @@
 //! [`read_vtk`] reads whatever a file holds; [`read_vtk_mesh`] and [`read_vtk_particles`] make a mesh or
 //! particles of it. All encodings that VTK writes are readable: text, base64 and raw; without compression,
 //! zlib, lz4 and lzma; both header widths; both byte orders; polyhedra in the layouts before and since VTK 9.4.
+//!
+//! [`write_vtu`], [`write_vti`], [`write_vtp_particles`] and [`write_vtp_surface`] write what VTK, ParaView,
+//! pyvista and meshio open; [`write_pvd`] lists such files over time.
 
 mod blocks;
 mod cells;
 mod data;
+mod encoding;
 mod fault;
 mod legacy_input;
 mod legacy_reader;
 mod mesh;
 mod particles;
 mod scalar;
+mod series;
+mod write_mesh;
+mod write_polydata;
 mod xml_image;
 mod xml_reader;
 mod xml_tree;
+mod xml_writer;
 
 use std::io::{BufRead, Read};
 use std::path::Path;
 
 pub use data::{VtkCells, VtkData, VtkImage, VtkKind, VtkLocation, VtkSummary};
+pub use encoding::{VtkCompression, VtkEncoding, VtkFormat};
 pub use mesh::{VtkMesh, read_vtk_mesh};
 pub use particles::read_vtk_particles;
+pub use series::{read_pvd, write_pvd};
+pub use write_mesh::{write_vti, write_vtu};
+pub use write_polydata::{write_vtp_particles, write_vtp_surface};
+pub use xml_writer::VtkArrays;
 
 use crate::{IoError, source};
 

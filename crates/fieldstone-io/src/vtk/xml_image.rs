@@ -31,13 +31,7 @@ pub(super) fn read(arrays: &Arrays<'_>, set: &Element<'_>, data: &mut VtkData) -
     }
     let whole = extent(set, "WholeExtent")?;
     let image = grid(set, whole)?;
-    // Before memory is taken for the whole: the pieces must fill it.
-    let filled = pieces.iter().fold(0_usize, |n, p| n.saturating_add(p.image.cell_count()));
-    let inside = pieces.iter().all(|p| (0..3).all(|k| within(p.extent[k], whole[k])));
-    if filled != image.cell_count() || !inside {
-        let found = format!("the pieces have {filled} cells inside a whole of {}", image.cell_count());
-        return Err(Fault::damaged(set.position(), found));
-    }
+    check_cover(&pieces, whole).map_err(|found| Fault::damaged(set.position(), found))?;
     data.point_data = place(&pieces, whole, 1, |p| &p.point_data, &mut data.skipped);
     data.cell_data = place(&pieces, whole, 0, |p| &p.cell_data, &mut data.skipped);
     data.image = Some(image);
@@ -47,6 +41,44 @@ pub(super) fn read(arrays: &Arrays<'_>, set: &Element<'_>, data: &mut VtkData) -
 /// Whether a piece's range lies in the whole's; one without extent cannot be part of one with extent.
 fn within([low, high]: [i64; 2], whole: [i64; 2]) -> bool {
     low >= whole[0] && high <= whole[1] && (low == high) == (whole[0] == whole[1])
+}
+
+/// Whether the pieces fill the whole grid. They may overlap: VTK's own writer repeats the whole in each.
+fn check_cover(pieces: &[Piece], whole: Extent) -> Result<(), String> {
+    if let Some(piece) = pieces.iter().find(|p| !(0..3).all(|k| within(p.extent[k], whole[k]))) {
+        return Err(format!("a piece of extent {:?} is no part of the whole, {whole:?}", piece.extent));
+    }
+    let size = cell_size(&whole);
+    let total = size.iter().product::<usize>();
+    // Before memory is taken for the whole: columns, whose numbers were counted, must be as large in all.
+    let with_columns = pieces.iter().filter(|p| !p.point_data.is_empty() || !p.cell_data.is_empty());
+    let counted = with_columns.fold(0_usize, |n, p| n.saturating_add(p.image.cell_count()));
+    if counted == 0 {
+        return Ok(());
+    }
+    let mut missing = total;
+    if counted >= total {
+        let mut filled = vec![false; total];
+        for piece in pieces {
+            let (at, [nx, ny, nz]) = (offset(&piece.extent, &whole), cell_size(&piece.extent));
+            for (z, y) in (0..nz).flat_map(|z| (0..ny).map(move |y| (z, y))) {
+                let row = ((z + at[2]) * size[1] + y + at[1]) * size[0] + at[0];
+                filled[row..row + nx].fill(true);
+            }
+        }
+        missing = filled.iter().filter(|&&f| !f).count();
+    }
+    if missing == 0 { Ok(()) } else { Err(format!("the pieces leave {missing} of {total} cells out")) }
+}
+
+/// Cells along each axis; 1 where there is no extent.
+fn cell_size(extent: &Extent) -> [usize; 3] {
+    extent.map(|[low, high]| ((high - low) as usize).max(1))
+}
+
+/// Where a piece starts in the whole.
+fn offset(extent: &Extent, whole: &Extent) -> [usize; 3] {
+    [0, 1, 2].map(|k| (extent[k][0] - whole[k][0]) as usize)
 }
 
 struct Piece {
@@ -113,7 +145,7 @@ fn place(
         for (piece, part) in pieces.iter().zip(&parts) {
             let from = part.values.to_f64();
             let [nx, ny, nz] = size(&piece.extent);
-            let at = [0, 1, 2].map(|k| (piece.extent[k][0] - whole[k][0]) as usize);
+            let at = offset(&piece.extent, &whole);
             for z in 0..nz {
                 for y in 0..ny {
                     let source = (z * ny + y) * nx * n;

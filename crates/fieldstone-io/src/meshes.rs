@@ -1,0 +1,80 @@
+//! Which reader a mesh needs, and whether a file holds a mesh or particles.
+
+use std::io::Read;
+use std::path::Path;
+
+use fieldstone_mesh::Mesh;
+
+use crate::{IoError, gmsh, openfoam, source, vtk};
+
+/// What a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A mesh with volume cells.
+    Mesh,
+    /// Particles.
+    Particles,
+}
+
+enum Format {
+    OpenFoam,
+    Gmsh,
+    Vtk,
+    Unknown,
+}
+
+fn format_of(path: &Path) -> Result<Format, IoError> {
+    let folder = |p: &Path| p.is_dir();
+    let in_poly_mesh = path.parent().is_some_and(|p| p.file_name().is_some_and(|n| n == "polyMesh"));
+    if folder(path) || in_poly_mesh {
+        return Ok(Format::OpenFoam);
+    }
+    let mut start = Vec::new();
+    source::open(path)?.take(512).read_to_end(&mut start).map_err(|source| IoError::System {
+        path: path.into(),
+        action: "read",
+        source,
+    })?;
+    let start = start.trim_ascii_start();
+    let begins = |text: &str| start.starts_with(text.as_bytes());
+    if begins("$MeshFormat") || begins("$Comments") {
+        return Ok(Format::Gmsh);
+    }
+    if begins("# vtk DataFile") || begins("<VTKFile") || begins("<?xml") {
+        return Ok(Format::Vtk);
+    }
+    Ok(Format::Unknown)
+}
+
+/// Reads a mesh, deciding on the format by content: an OpenFOAM case, `constant`, `polyMesh` or `processorN` folder (or a
+/// file in `polyMesh`), Gmsh 2.2 and 4.1, VTK `.vtu` and legacy `.vtk`.
+///
+/// # Errors
+/// [`IoError::UnknownFormat`] where the content is none of these; else the reader's own.
+pub fn read_mesh(path: &Path) -> Result<Mesh, IoError> {
+    match format_of(path)? {
+        Format::OpenFoam if path.is_dir() => openfoam::read_poly_mesh(path),
+        Format::OpenFoam => openfoam::read_poly_mesh(path.parent().unwrap_or(path)),
+        Format::Gmsh => gmsh::read_gmsh(path),
+        Format::Vtk => vtk::read_vtk_mesh(path),
+        Format::Unknown => Err(IoError::UnknownFormat {
+            path: path.into(),
+            found: "the content is not that of a mesh".into(),
+            readable: "OpenFOAM polyMesh folders, Gmsh .msh 2.2 and 4.1, VTK .vtu and .vtk".into(),
+        }),
+    }
+}
+
+/// Whether a file holds a mesh or particles; a VTK file with volume cells is a mesh, one without is particles.
+///
+/// # Errors
+/// [`IoError`] where the file cannot be read.
+pub fn file_kind(path: &Path) -> Result<FileKind, IoError> {
+    let mesh = match format_of(path)? {
+        Format::OpenFoam => !path.ancestors().any(|p| p.file_name().is_some_and(|n| n == "lagrangian")),
+        Format::Gmsh => true,
+        Format::Vtk => vtk::read_vtk(path)?.has_volume_cells(),
+        Format::Unknown => false,
+    };
+    Ok(if mesh { FileKind::Mesh } else { FileKind::Particles })
+}

@@ -1,0 +1,141 @@
+//! The frame of VTK's XML files: header, pieces, arrays, appended data.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use quick_xml::escape::escape;
+
+use super::encoding::{Column, VtkEncoding, VtkFormat};
+use crate::{AtomicFile, DataArray, IoError, Position};
+
+/// Columns that go into a VTK file beside the geometry.
+///
+/// ```
+/// use fieldstone_io::{DataArray, vtk::VtkArrays};
+/// let fraction = [DataArray::scalar("solid_fraction", vec![0.6, 0.58])];
+/// let arrays = VtkArrays { cells: &fraction, time: Some(0.5), ..VtkArrays::default() };
+/// assert_eq!(arrays.cells.len(), 1);
+/// ```
+#[derive(Debug, Clone, Copy, Default)]
+pub struct VtkArrays<'a> {
+    /// Columns on points.
+    pub points: &'a [DataArray],
+    /// Columns on cells.
+    pub cells: &'a [DataArray],
+    /// Time, written as the field data `TimeValue`.
+    pub time: Option<f64>,
+}
+
+/// A file under construction, in memory: offsets of appended arrays must be known before they are written.
+pub(super) struct XmlFile<'a> {
+    path: &'a Path,
+    encoding: VtkEncoding,
+    text: String,
+    appended: Vec<u8>,
+    kind: &'static str,
+}
+
+impl<'a> XmlFile<'a> {
+    /// Starts a file of data set `kind`; `attributes` belong to its element.
+    pub fn new(
+        path: &'a Path,
+        encoding: VtkEncoding,
+        kind: &'static str,
+        attributes: &str,
+        time: Option<f64>,
+    ) -> Result<Self, IoError> {
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\"{}>\n<{kind}{attributes}>\n",
+            encoding.compressor_attribute()
+        );
+        let mut file = Self { path, encoding, text, appended: Vec::new(), kind };
+        if let Some(time) = time {
+            file.open("FieldData", "");
+            file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]))?;
+            file.close("FieldData");
+        }
+        Ok(file)
+    }
+
+    pub fn open(&mut self, name: &str, attributes: &str) {
+        let _ = writeln!(self.text, "<{name}{attributes}>");
+    }
+
+    pub fn close(&mut self, name: &str) {
+        let _ = writeln!(self.text, "</{name}>");
+    }
+
+    /// Adds an array.
+    pub fn array(&mut self, name: &str, components: usize, column: Column<'_>) -> Result<(), IoError> {
+        self.numbers(name, &format!(" NumberOfComponents=\"{components}\""), components, column)
+    }
+
+    fn numbers(&mut self, name: &str, shape: &str, components: usize, column: Column<'_>) -> Result<(), IoError> {
+        let system = |source| IoError::System { path: self.path.into(), action: "write", source };
+        let _ = write!(self.text, "<DataArray type=\"{}\" Name=\"{}\"{shape}", column.type_name(), escape(name));
+        let compression = self.encoding.compression;
+        match self.encoding.format {
+            VtkFormat::Ascii => {
+                self.text.push_str(" format=\"ascii\">\n");
+                column.text(components, &mut self.text);
+                self.text.push_str("</DataArray>\n");
+            }
+            VtkFormat::Inline => {
+                let mut bytes = Vec::new();
+                column.encode(compression, true, &mut bytes).map_err(system)?;
+                let _ = writeln!(self.text, " format=\"binary\">\n{}\n</DataArray>", String::from_utf8_lossy(&bytes));
+            }
+            VtkFormat::AppendedBase64 | VtkFormat::AppendedRaw => {
+                let _ = writeln!(self.text, " format=\"appended\" offset=\"{}\"/>", self.appended.len());
+                let base64 = self.encoding.format == VtkFormat::AppendedBase64;
+                column.encode(compression, base64, &mut self.appended).map_err(system)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds `PointData` or `CellData`, each column checked to have `tuples` rows.
+    pub fn columns(&mut self, element: &str, arrays: &[DataArray], tuples: usize) -> Result<(), IoError> {
+        self.open(element, "");
+        for array in arrays {
+            let column = Column::from(&array.values);
+            if array.components == 0 || column.len() != tuples.saturating_mul(array.components) {
+                let found = format!(
+                    "column '{}' has {} numbers; {tuples} rows of {} are needed in {element}",
+                    array.name,
+                    column.len(),
+                    array.components
+                );
+                return Err(IoError::content(
+                    self.path,
+                    Position::File,
+                    found,
+                    "give one row for each; nothing was written",
+                ));
+            }
+            self.array(&array.name, array.components, column)?;
+        }
+        self.close(element);
+        Ok(())
+    }
+
+    /// Completes the file and gives it its name.
+    pub fn finish(mut self) -> Result<(), IoError> {
+        self.close(self.kind);
+        let base64 = match self.encoding.format {
+            VtkFormat::AppendedBase64 => Some("base64"),
+            VtkFormat::AppendedRaw => Some("raw"),
+            VtkFormat::Ascii | VtkFormat::Inline => None,
+        };
+        AtomicFile::write(self.path, |out| {
+            out.write_all(self.text.as_bytes())?;
+            if let Some(encoding) = base64 {
+                write!(out, "<AppendedData encoding=\"{encoding}\">\n_")?;
+                out.write_all(&self.appended)?;
+                out.write_all(b"\n</AppendedData>\n")?;
+            }
+            out.write_all(b"</VTKFile>\n")
+        })
+    }
+}

@@ -1,0 +1,305 @@
+//! `fieldstone fraction`: the solid fraction of every cell.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use fieldstone::fields::{Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed};
+use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
+use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
+use fieldstone::io::{AtomicFile, DataArray, write_csv};
+use fieldstone::mesh::{Cells, Grid, Mesh};
+use fieldstone::particles::Particles;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::arguments::{CellSet, CellsArguments, ParticleArguments, Periodic, ending};
+use super::report;
+use super::timing::Timing;
+
+/// Solid fraction of every cell of a mesh or grid, from a packing of spheres
+///
+/// Writes solid_fraction, void_fraction, solid_volume, cell_volume and particle_count (centres) for each cell, and
+/// accounts for all volume: binned + clipped = particle volume.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:\n  \
+    fieldstone fraction --mesh case --particles dump.liggghts --out solid.vtu\n  \
+    fieldstone fraction --mesh case --particles dump.liggghts --out case/0\n  \
+    fieldstone fraction --grid 0,0.04,0,0.04,0,0.08 --cells 20,20,40 --particles dump.liggghts.gz --out solid.vti\n  \
+    fieldstone fraction --mesh vessel.msh --particles xyz.csv --diameter 0.006 --method divided --out rough.csv\n\n\
+    Units: all lengths as in the input; volumes are their cubes.")]
+pub(crate) struct Fraction {
+    #[command(flatten)]
+    cells: CellsArguments,
+    #[command(flatten)]
+    particles: ParticleArguments,
+    /// kernel or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
+    #[arg(long, default_value = "kernel")]
+    method: Method,
+    /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
+    #[arg(short, long, value_name = "OUT")]
+    out: PathBuf,
+    /// Also write the summary as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Real particles per simulated one: a number, or the name of a column
+    #[arg(long, value_name = "COLUMN|W")]
+    parcel_weight: Option<String>,
+    /// Smooth conservatively over this length (standard deviation of the Gaussian); the unsmoothed field is kept
+    #[arg(long, value_name = "LENGTH")]
+    smooth: Option<f64>,
+    /// Report no solid fraction above this; the uncapped field is kept
+    #[arg(long, value_name = "FRACTION")]
+    cap: Option<f64>,
+    /// Periodic directions: auto (those of the file, where the mesh does not reach beyond the box), none, or e.g. xy
+    #[arg(long, default_value = "auto", value_name = "AXES")]
+    periodic: Periodic,
+    /// Print a table of where the time went
+    #[arg(short, long)]
+    verbose: bool,
+    /// OpenFOAM output in binary
+    #[arg(long)]
+    binary: bool,
+}
+
+/// Results on cells of either kind, ready to be written.
+pub(crate) struct Outcome {
+    pub fields: SolidFraction,
+    pub counts: Vec<u32>,
+    pub cell_volumes: Vec<f64>,
+}
+
+impl Fraction {
+    pub fn run(self) -> anyhow::Result<()> {
+        let mut timing = Timing::default();
+        let target = Target::new(&self.out, &self.cells)?;
+        let particles = timing.measure("read", || self.particles.read())?;
+        let cells = timing.measure("read", || self.cells.read())?;
+        target.check(&cells)?;
+
+        let (outcome, inverted) = match &cells {
+            CellSet::Mesh(mesh) => {
+                let found = mesh.inverted_cells().len() + mesh.inverted_elements();
+                if found > 0 {
+                    report::warn(&format!("{found} cells are inside out; they count with their absolute volume"));
+                }
+                (self.compute(mesh.as_ref(), &particles, &mut timing)?, found)
+            }
+            CellSet::Grid(grid) => (self.compute(grid, &particles, &mut timing)?, 0),
+        };
+        timing.measure("write", || target.write(&cells, &outcome, self.binary))?;
+
+        let ledger = &outcome.fields.ledger;
+        print!("{}", report::ledger(ledger, inverted));
+        println!("written to           {}", self.out.display());
+        if ledger.cells_above_one > 0 && self.method.is_exact() {
+            report::warn("solid fractions above 1 come from particles that overlap each other");
+        }
+        if self.verbose {
+            print!("\n{}", timing.table());
+        }
+        if let Some(path) = &self.json {
+            let seconds = ["read", "search", "overlap", "write"].map(|p| (p.to_string(), timing.seconds(p).into()));
+            let json = summary(&outcome, inverted, serde_json::Map::from_iter(seconds));
+            AtomicFile::write(path, |out| writeln!(out, "{json:#}"))?;
+        }
+        Ok(())
+    }
+
+    fn compute<C: Cells>(&self, cells: &C, particles: &Particles, timing: &mut Timing) -> anyhow::Result<Outcome> {
+        let (domain, note) = self.periodic.domain(particles, cells.bounds())?;
+        if let Some(note) = note {
+            report::warn(&note);
+        }
+        let options = SolidFractionOptions {
+            method: self.method,
+            domain,
+            parcel_weights: self.parcel_weights(particles)?,
+            smoothing_length: self.smooth.unwrap_or(0.0),
+            cap: self.cap,
+        };
+        compute(cells, particles, &options, timing)
+    }
+
+    fn parcel_weights(&self, particles: &Particles) -> anyhow::Result<Option<Vec<f64>>> {
+        let Some(text) = &self.parcel_weight else { return Ok(None) };
+        if let Ok(weight) = text.parse() {
+            return Ok(Some(vec![weight; particles.len()]));
+        }
+        let column = particles.quantity(text).context("--parcel-weight")?;
+        if column.components != 1 {
+            bail!("--parcel-weight: column '{text}' has {} numbers per particle; one is needed", column.components);
+        }
+        Ok(Some(column.data.clone()))
+    }
+}
+
+/// The task itself, with progress on standard error where that is a terminal.
+pub(crate) fn compute<C: Cells>(
+    cells: &C,
+    particles: &Particles,
+    options: &SolidFractionOptions,
+    timing: &mut Timing,
+) -> anyhow::Result<Outcome> {
+    let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()));
+    let bar = ProgressBar::new(particles.len() as u64).with_style(ProgressStyle::with_template(
+        "{bar:30} {percent:>3} %  {human_pos} of {human_len} particles, {eta} left",
+    )?);
+    let done = AtomicUsize::new(0);
+    let fields = timing.measure("overlap", || {
+        solid_fraction_observed(cells, particles, options, &|n| {
+            bar.set_position((done.fetch_add(n, Ordering::Relaxed) + n) as u64);
+        })
+    });
+    bar.finish_and_clear();
+    let cell_volumes = (0..cells.cell_count()).map(|cell| cells.cell_volume(cell)).collect();
+    Ok(Outcome { fields: fields?, counts, cell_volumes })
+}
+
+/// The summary with the keys that the manual documents.
+pub(crate) fn summary(
+    outcome: &Outcome,
+    inverted: usize,
+    seconds: serde_json::Map<String, serde_json::Value>,
+) -> serde_json::Value {
+    let ledger = &outcome.fields.ledger;
+    serde_json::json!({
+        "particles": ledger.particles,
+        "cells": ledger.cells,
+        "mesh_volume": ledger.mesh_volume,
+        "particle_volume": ledger.particle_volume,
+        "binned_volume": ledger.binned_volume,
+        "clipped_volume": ledger.clipped_volume,
+        "max_solid_fraction": ledger.max_solid_fraction,
+        "cells_above_one": ledger.cells_above_one,
+        "inverted_cells": inverted,
+        "seconds": seconds,
+    })
+}
+
+/// Cell data in the order in which it is written.
+pub(crate) fn cell_data(outcome: &Outcome) -> Vec<DataArray> {
+    let fields = &outcome.fields;
+    let mut data = vec![
+        DataArray::scalar("solid_fraction", fields.solid_fraction.clone()),
+        DataArray::scalar("void_fraction", fields.void_fraction.clone()),
+        DataArray::scalar("solid_volume", fields.solid_volume.clone()),
+        DataArray::scalar("cell_volume", outcome.cell_volumes.clone()),
+        DataArray::integers("particle_count", outcome.counts.iter().map(|&n| n.into()).collect()),
+    ];
+    if let Some(unsmoothed) = &fields.unsmoothed {
+        data.push(DataArray::scalar("solid_fraction_unsmoothed", unsmoothed.clone()));
+    }
+    data
+}
+
+/// What to write, decided before any work is done.
+enum Target<'a> {
+    Vtu(&'a Path),
+    Vti(&'a Path),
+    Csv(&'a Path),
+    TimeFolder(&'a Path),
+}
+
+impl<'a> Target<'a> {
+    fn new(path: &'a Path, cells: &CellsArguments) -> anyhow::Result<Self> {
+        let mesh = cells.mesh.is_some();
+        let target = match ending(path).as_str() {
+            "vtu" if mesh => Self::Vtu(path),
+            "vti" if !mesh => Self::Vti(path),
+            "csv" => Self::Csv(path),
+            "vtu" => bail!("--out {}: a grid is written as .vti or .csv", path.display()),
+            "vti" => bail!("--out {}: a mesh is written as .vtu, .csv or into an OpenFOAM time folder", path.display()),
+            _ if mesh && is_time_folder(path) => Self::TimeFolder(path),
+            _ => bail!(
+                "--out {}: the ending is not known; use .vtu (mesh), .vti (grid), .csv, or an OpenFOAM time folder \
+                 such as CASE/0",
+                path.display()
+            ),
+        };
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        if let Some(folder) = folder
+            && !folder.is_dir()
+        {
+            bail!("--out {}: the folder {} does not exist; make it first", path.display(), folder.display());
+        }
+        Ok(target)
+    }
+
+    fn check(&self, cells: &CellSet) -> anyhow::Result<()> {
+        if let (Self::TimeFolder(path), CellSet::Mesh(mesh)) = (self, cells) {
+            let faces = mesh.parts().owner.len();
+            let covered: usize = mesh.parts().patches.iter().map(|p| p.count).sum();
+            if covered != faces - mesh.parts().neighbour.len() {
+                bail!(
+                    "--out {}: the mesh's patches do not cover its boundary, so OpenFOAM could not read the fields",
+                    path.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&self, cells: &CellSet, outcome: &Outcome, binary: bool) -> anyhow::Result<()> {
+        match (self, cells) {
+            (Self::Vtu(path), CellSet::Mesh(mesh)) => write_vtu(path, mesh, outcome)?,
+            (Self::Vti(path), CellSet::Grid(grid)) => write_vti(path, grid, outcome)?,
+            (Self::TimeFolder(path), CellSet::Mesh(mesh)) => write_time_folder(path, mesh, outcome, binary)?,
+            (Self::Csv(path), CellSet::Mesh(mesh)) => {
+                write_table(path, mesh.cell_count(), |cell| mesh.cell_centre(cell), outcome)?;
+            }
+            (Self::Csv(path), CellSet::Grid(grid)) => {
+                write_table(path, grid.cell_count(), |cell| grid.centre(cell), outcome)?;
+            }
+            _ => bail!("this output does not go with these cells"),
+        }
+        Ok(())
+    }
+}
+
+/// `0`, `0.25`, `1e-3`: a folder that OpenFOAM takes for a time.
+fn is_time_folder(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().parse::<f64>().is_ok_and(|t| t.is_finite()))
+}
+
+pub(crate) fn write_vtu(path: &Path, mesh: &Mesh, outcome: &Outcome) -> anyhow::Result<()> {
+    let cells = cell_data(outcome);
+    vtk::write_vtu(path, mesh, VtkArrays { cells: &cells, ..VtkArrays::default() }, VtkEncoding::default())?;
+    Ok(())
+}
+
+fn write_vti(path: &Path, grid: &Grid, outcome: &Outcome) -> anyhow::Result<()> {
+    let image = vtk::VtkImage::aligned(grid.low(), grid.spacing(), grid.cells());
+    let cells = cell_data(outcome);
+    vtk::write_vti(path, &image, VtkArrays { cells: &cells, ..VtkArrays::default() }, VtkEncoding::default())?;
+    Ok(())
+}
+
+fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) -> anyhow::Result<()> {
+    let encoding = if binary { FieldEncoding::Binary } else { FieldEncoding::Text };
+    let fields = &outcome.fields;
+    let mut list = vec![
+        ("alpha.solids", Dimensions::NONE, fields.solid_fraction.as_slice()),
+        ("voidfraction", Dimensions::NONE, fields.void_fraction.as_slice()),
+        ("solidVolume", Dimensions([0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0]), fields.solid_volume.as_slice()),
+    ];
+    if let Some(unsmoothed) = &fields.unsmoothed {
+        list.push(("alpha.solids.unsmoothed", Dimensions::NONE, unsmoothed.as_slice()));
+    }
+    for (name, dimensions, values) in list {
+        let field = VolField { name, dimensions, components: 1, values };
+        write_vol_field(path, &field, mesh.cell_count(), &mesh.parts().patches, encoding)?;
+    }
+    Ok(())
+}
+
+fn write_table(path: &Path, cells: usize, centre: impl Fn(usize) -> [f64; 3], outcome: &Outcome) -> anyhow::Result<()> {
+    let data = cell_data(outcome);
+    let centres: Vec<[f64; 3]> = (0..cells).map(centre).collect();
+    let axes: Vec<Vec<f64>> = (0..3).map(|k| centres.iter().map(|c| c[k]).collect()).collect();
+    let values: Vec<Vec<f64>> = data.iter().map(|array| array.values.to_f64()).collect();
+    let mut columns: Vec<(&str, &[f64])> = ["x", "y", "z"].into_iter().zip(axes.iter().map(Vec::as_slice)).collect();
+    columns.extend(data.iter().zip(&values).map(|(array, v)| (array.name.as_str(), v.as_slice())));
+    write_csv(path, &columns)?;
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! `fieldstone info`: what is inside a file.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::Args;
+use fieldstone::geometry::ElementKind;
+use fieldstone::io::{FileKind, ParticleOptions, file_kind, open_particles, read_mesh};
+use fieldstone::mesh::{Cells, Mesh};
+use fieldstone::particles::Particles;
+
+use super::report::number;
+
+/// Tell what is inside a mesh or particle file
+///
+/// Meshes: cells by type, warped and concave cells, volumes, patches, zones. Particles: frames, columns, box and size
+/// distribution.
+#[derive(Debug, Args)]
+pub(crate) struct Info {
+    /// Any file or folder that fieldstone reads
+    file: PathBuf,
+}
+
+impl Info {
+    pub fn run(self) -> anyhow::Result<()> {
+        match file_kind(&self.file)? {
+            FileKind::Mesh => {
+                let mesh = read_mesh(&self.file)?;
+                print_mesh(&mesh);
+            }
+            FileKind::Particles => {
+                let options = ParticleOptions { allow_non_spherical: true };
+                let mut reader = open_particles(&self.file, &options)?;
+                let mut frames = 0;
+                let mut last = None;
+                while let Some(frame) = reader.next_frame()? {
+                    frames += 1;
+                    last = Some(frame);
+                }
+                println!("{:<20} {frames}", "frames");
+                if let Some(particles) = last {
+                    print_particles(&particles);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn line(name: &str, value: impl std::fmt::Display) {
+    println!("{name:<20} {value}");
+}
+
+fn vector(v: [f64; 3]) -> String {
+    format!("({}, {}, {})", number(v[0]), number(v[1]), number(v[2]))
+}
+
+fn print_mesh(mesh: &Mesh) {
+    let parts = mesh.parts();
+    line("points", parts.points.len());
+    line("faces", format!("{} ({} internal)", parts.owner.len(), parts.neighbour.len()));
+    line("cells", mesh.cell_count());
+    let mut kinds = BTreeMap::<ElementKind, usize>::new();
+    for cell in 0..mesh.cell_count() {
+        *kinds.entry(mesh.cell_kind(cell)).or_default() += 1;
+    }
+    for (kind, count) in kinds {
+        line(&format!("  {kind}"), count);
+    }
+    line("warped faces", mesh.warped_faces());
+    line("concave cells", mesh.concave_cells());
+    line("inverted cells", mesh.inverted_cells().len() + mesh.inverted_elements());
+    let volumes = mesh.cell_volumes();
+    line("mesh volume", number(volumes.iter().sum()));
+    line("smallest cell", number(volumes.iter().copied().fold(f64::INFINITY, f64::min)));
+    line("largest cell", number(volumes.iter().copied().fold(0.0, f64::max)));
+    let (low, high) = mesh.bounds();
+    line("from", vector(low));
+    line("to", vector(high));
+    for patch in &parts.patches {
+        line("patch", format!("{} ({}, {} faces)", patch.name, patch.kind, patch.count));
+    }
+    for zone in &parts.zones {
+        line("zone", format!("{} ({} cells)", zone.name, zone.cells.len()));
+    }
+}
+
+fn print_particles(particles: &Particles) {
+    line("particles", format!("{} in the last frame", particles.len()));
+    if let Some(step) = particles.step() {
+        line("step", step);
+    }
+    if let Some(time) = particles.time() {
+        line("time", number(time));
+    }
+    if let Some(domain) = particles.domain() {
+        let axes: String = (0..3).filter(|&k| domain.periodic()[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+        let periodic = if axes.is_empty() { "not periodic".into() } else { format!("periodic along {axes}") };
+        line("box", format!("{} to {}, {periodic}", vector(domain.low()), vector(domain.high())));
+    }
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in particles.positions() {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    if !particles.is_empty() {
+        line("from", vector(low));
+        line("to", vector(high));
+    }
+    if let Some(types) = particles.types() {
+        let mut counts = BTreeMap::<i64, usize>::new();
+        types.iter().for_each(|&t| *counts.entry(t).or_default() += 1);
+        for (kind, count) in counts {
+            line(&format!("  type {kind}"), count);
+        }
+    }
+    match particles.radii() {
+        Err(_) => line("radius", "none in the file: give --radius or --diameter"),
+        Ok([]) => {}
+        Ok(radii) => {
+            let mut sorted = radii.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            let at = |share: f64| number(sorted[((sorted.len() - 1) as f64 * share).round() as usize]);
+            line("radius", format!("{} smallest, {} largest", at(0.0), at(1.0)));
+            line("  10 % below", at(0.1));
+            line("  50 % below", at(0.5));
+            line("  90 % below", at(0.9));
+            let volume: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+            line("particle volume", number(volume));
+        }
+    }
+    for q in particles.quantities() {
+        let shape = if q.components == 1 { String::new() } else { format!(" ({} numbers)", q.components) };
+        let (min, max) = q.data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        line("column", format!("{}{shape}, {} to {}", q.name, number(min), number(max)));
+    }
+}

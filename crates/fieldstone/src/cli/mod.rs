@@ -1,0 +1,70 @@
+//! Subcommands, one file each.
+
+mod arguments;
+mod demo;
+mod fraction;
+mod info;
+mod manual;
+mod overlap;
+mod picture;
+mod report;
+mod timing;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Turns particles into fields, exactly.
+///
+/// Solid fractions of meshes and grids from DEM packings, with every bit of volume accounted for, and exact
+/// overlaps of spheres with mesh elements. All lengths are in the unit of the input; particles and mesh must
+/// use the same one.
+#[derive(Debug, Parser)]
+#[command(
+    name = "fieldstone",
+    version,
+    after_help = "Exit codes: 0 success; 1 the input or the task failed (the message says where and why); \
+                  2 wrong usage."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Number of threads [default: all cores]; results are the same for any number
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Fraction(fraction::Fraction),
+    Overlap(overlap::OverlapCases),
+    Info(info::Info),
+    Demo(demo::Demo),
+    Completions(manual::Completions),
+    Manual(manual::Manual),
+}
+
+pub(crate) fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match execute(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", report::chain(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn execute(cli: Cli) -> anyhow::Result<()> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
+    }
+    match cli.command {
+        Command::Fraction(command) => command.run(),
+        Command::Overlap(command) => command.run(),
+        Command::Info(command) => command.run(),
+        Command::Demo(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Manual(command) => command.run(),
+    }
+}

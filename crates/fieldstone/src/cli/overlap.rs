@@ -1,0 +1,148 @@
+//! `fieldstone overlap`: a table of balls and elements.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+use fieldstone::fields::{Method, Weights};
+use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, error_estimate, overlap};
+use fieldstone::io::{CsvTable, CsvWriter};
+use fieldstone::mesh::{CellList, Mesh};
+use fieldstone::particles::Particles;
+
+use super::report;
+
+/// Exact overlap of spheres with single elements, row by row of a table
+///
+/// The table has the columns cx cy cz r x0 y0 z0 x1 y1 z1 …, in any order; other columns are carried through. Added are
+/// volume, and with the kernel sphere_area, one area per face (f0_area …, faces in CGNS numbering) and the
+/// gradient of the volume with respect to the centre.
+#[derive(Debug, Args)]
+pub(crate) struct OverlapCases {
+    /// Kind of element in every row
+    #[arg(long, value_enum)]
+    element: Element,
+    /// Table of cases (.csv, .csv.gz)
+    #[arg(long, value_name = "FILE")]
+    cases: PathBuf,
+    /// Result table
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    /// kernel, decomposition, centre, cube, divided, sampled:N or monte-carlo:N
+    #[arg(long, default_value = "kernel")]
+    method: Method,
+    /// Order of the corners
+    #[arg(long, value_enum, default_value = "vtk")]
+    order: Order,
+    /// Elements that are inside out
+    #[arg(long, value_enum, default_value = "fix")]
+    orientation: Inverted,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Element {
+    Tet,
+    Pyramid,
+    Wedge,
+    Hex,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Order {
+    Vtk,
+    Cgns,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Inverted {
+    /// turn them
+    Fix,
+    /// stop with an error
+    Refuse,
+}
+
+impl OverlapCases {
+    pub fn run(self) -> anyhow::Result<()> {
+        let kind = match self.element {
+            Element::Tet => ElementKind::Tetrahedron,
+            Element::Pyramid => ElementKind::Pyramid,
+            Element::Wedge => ElementKind::Wedge,
+            Element::Hex => ElementKind::Hexahedron,
+        };
+        let order = match self.order {
+            Order::Vtk => CornerOrder::Vtk,
+            Order::Cgns => CornerOrder::Cgns,
+        };
+        let orientation = match self.orientation {
+            Inverted::Fix => Orientation::Fix,
+            Inverted::Refuse => Orientation::Refuse,
+        };
+        if self.method == Method::CentreSmoothed {
+            bail!("--method centre-smoothed averages over neighbours, and a single element has none");
+        }
+        let table = CsvTable::read(&self.cases)?;
+        let column = |name: &str| table.column(name);
+        let centre = [column("cx")?, column("cy")?, column("cz")?];
+        let radius = column("r")?;
+        let corners: Vec<[Vec<f64>; 3]> = (0..kind.corner_count().unwrap_or(0))
+            .map(|k| Ok([column(&format!("x{k}"))?, column(&format!("y{k}"))?, column(&format!("z{k}"))?]))
+            .collect::<anyhow::Result<_>>()?;
+
+        let mut names = vec!["volume".to_string()];
+        if self.method == Method::Kernel {
+            names.push("sphere_area".into());
+            names.extend((0..kind.faces().len()).map(|f| format!("f{f}_area")));
+            names.extend(["gradient_x", "gradient_y", "gradient_z"].map(String::from));
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut writer = CsvWriter::extending(&self.out, &table, &names)?;
+        let mut doubtful = 0;
+        for row in 0..table.len() {
+            let place = || format!("{}:{}", self.cases.display(), table.line(row));
+            let at = |columns: &[Vec<f64>; 3]| [columns[0][row], columns[1][row], columns[2][row]];
+            let ball = Ball::new(at(&centre), radius[row]).with_context(place)?;
+            let points: Vec<[f64; 3]> = corners.iter().map(at).collect();
+            let element = Polyhedron::element(kind, order, &points, orientation).with_context(place)?;
+            let numbers = if self.method == Method::Kernel {
+                let smaller = ball.volume().min(element.volume());
+                doubtful += usize::from(error_estimate(&ball, &element) > 1e-9 * smaller);
+                let result = overlap(&ball, &element);
+                let mut numbers = vec![result.volume, result.sphere_area];
+                numbers.extend(result.face_areas);
+                numbers.extend(result.gradient);
+                numbers
+            } else {
+                vec![self.by_other_method(kind, order, points, &ball).with_context(place)?]
+            };
+            writer.row_extending(table.row(row), &numbers)?;
+        }
+        writer.finish()?;
+        println!("cases                {}", table.len());
+        println!("written to           {}", self.out.display());
+        if doubtful > 0 {
+            report::warn(&format!(
+                "in {doubtful} of {} cases the error may exceed 1e-9 of the smaller volume: flat elements, or balls \
+                 much larger than the element, are beyond 64-bit floats",
+                table.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// The element as a mesh of one cell, so that every method of `fraction` serves here too.
+    fn by_other_method(
+        &self,
+        kind: ElementKind,
+        order: CornerOrder,
+        points: Vec<[f64; 3]>,
+        ball: &Ball,
+    ) -> anyhow::Result<f64> {
+        let mut cells = CellList::new();
+        let labels: Vec<u32> = (0..points.len() as u32).collect();
+        cells.push(kind, order, &labels)?;
+        let mesh = Mesh::from_cells(points, cells)?;
+        let one = Particles::new(vec![ball.centre()])?.with_uniform_radius(ball.radius())?;
+        let weights = Weights::build(&mesh, &one, self.method, None)?;
+        Ok(weights.row(0).1.iter().sum())
+    }
+}

@@ -1,0 +1,50 @@
+//! What is printed: errors, ledgers, warnings.
+
+use std::fmt::Write;
+
+use fieldstone::fields::Ledger;
+
+/// An error with its causes, each once.
+pub(crate) fn chain(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1) {
+        let cause = cause.to_string();
+        // Messages of wrapped errors already quote their source.
+        if !text.contains(&cause) {
+            let _ = write!(text, "\n  because: {cause}");
+        }
+    }
+    text
+}
+
+/// Prints a warning on standard error.
+pub(crate) fn warn(message: &str) {
+    eprintln!("warning: {message}");
+}
+
+/// The ledger as the lines that every run prints.
+pub(crate) fn ledger(ledger: &Ledger, inverted_cells: usize) -> String {
+    let share = |part: f64| if ledger.particle_volume > 0.0 { 100.0 * part / ledger.particle_volume } else { 0.0 };
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<20} {value}");
+    };
+    line("particles", ledger.particles.to_string());
+    line("cells", ledger.cells.to_string());
+    line("mesh volume", number(ledger.mesh_volume));
+    line("particle volume", number(ledger.particle_volume));
+    line("binned volume", format!("{}  ({:.4} %)", number(ledger.binned_volume), share(ledger.binned_volume)));
+    line(
+        "clipped volume",
+        format!("{}  ({:.4} %, outside the mesh)", number(ledger.clipped_volume), share(ledger.clipped_volume)),
+    );
+    line("max solid fraction", number(ledger.max_solid_fraction));
+    line("cells above one", ledger.cells_above_one.to_string());
+    line("inverted cells", inverted_cells.to_string());
+    text
+}
+
+/// A number with its shortest exact digits, in scientific notation where that is shorter to read.
+pub(crate) fn number(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
