@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::double_double::DoubleDouble;
 use crate::precision::{Tracked, Wide};
-use crate::{Ball, FaceTerms, Overlap, Polyhedron, Real, Vector, face_terms, polygon_centroid};
+use crate::{Ball, FaceTerms, Overlap, Polyhedron, Real, Vector, face_terms, fast_overlap, polygon_centroid};
 
 /// Error that results are promised to stay below, relative to the smaller of the two volumes (areas: of sphere and
 /// face).
@@ -14,9 +14,9 @@ pub const PROMISE: f64 = 1e-12;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Precision {
     /// 64-bit floats.
-    Single,
+    F64,
     /// Pairs of them, 106 bits ([`DoubleDouble`]).
-    Double,
+    DoubleDouble,
     /// 256 bits ([`Wide`]).
     Wide,
 }
@@ -36,45 +36,63 @@ pub struct CertifiedOverlap {
     pub precision: Precision,
 }
 
-/// Overlap with a bound of its error by running error analysis, in the first precision that keeps the promise.
+/// What the promise has to hold for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    Volume,
+    Everything,
+}
+
+/// Overlap with bounds of its errors, in the first precision that keeps the promise.
 ///
-/// The bound holds for the result against the exact overlap of the ball with the polyhedron whose corners are the
-/// numbers given, faces that are not exactly planar being fanned around [`polygon_centroid`] (as computed). It is
+/// The bounds hold for the result against the exact overlap of the ball with the polyhedron whose corners are the
+/// numbers given, faces that are not exactly planar being fanned around [`polygon_centroid`] (as computed). They are
 /// below [`PROMISE`] times the smaller volume (for areas: the smaller of the whole sphere and the whole face) for any
 /// size ratio from 1e-6 to 1e6 and flatness down to 1e-6.
 ///
-/// Cost: some four times [`crate::overlap`] where `f64` is enough, 40 times in double-double, 1,000 times in 256 bits.
+/// In `f64` the bound is [`ErrorBound`](crate::ErrorBound); beyond, it comes from running error analysis
+/// ([`Tracked`]), with what the branches not taken would have given.
+///
+/// Cost: that of [`fast_overlap`] where `f64` is enough; some 50 times as much in double-double, 1,000 times in 256 bits.
 ///
 /// ```
 /// use fieldstone_geometry::{Ball, Polyhedron, Precision, certified_overlap};
 /// let cube = Polyhedron::cuboid([0.0; 3], [1.0; 3])?;
 /// // A ball a million times larger, whose surface passes through the middle of the cube.
 /// let huge = certified_overlap(&Ball::new([0.5, 0.5, -1e6 + 0.5], 1e6)?, &cube);
-/// assert!(huge.precision > Precision::Single && huge.volume_error < 1e-12);
-/// assert!((huge.overlap.volume - (0.5 - 1.0 / 12.0 * 1e-6)).abs() < 1e-12);
+/// assert!(huge.precision > Precision::F64 && huge.volume_error < 1e-12);
+/// assert!((huge.overlap.volume - (0.5 - 1e-6 / 12.0)).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn certified_overlap(ball: &Ball, polyhedron: &Polyhedron) -> CertifiedOverlap {
-    let keeps = |result: &CertifiedOverlap| {
-        let smaller = ball.volume().min(polyhedron.volume());
+    let fast = fast_overlap(ball, polyhedron);
+    if fast.keeps_promise(ball, polyhedron, Wanted::Everything) {
+        return fast;
+    }
+    beyond_f64(ball, polyhedron, Wanted::Everything)
+}
+
+/// The overlap in double-double, and in 256 bits where that is not enough.
+pub(crate) fn beyond_f64(ball: &Ball, polyhedron: &Polyhedron, wanted: Wanted) -> CertifiedOverlap {
+    let double = evaluate::<Tracked<DoubleDouble>>(ball, polyhedron, Precision::DoubleDouble);
+    if double.keeps_promise(ball, polyhedron, wanted) {
+        return double;
+    }
+    evaluate::<Tracked<Wide>>(ball, polyhedron, Precision::Wide)
+}
+
+impl CertifiedOverlap {
+    fn keeps_promise(&self, ball: &Ball, polyhedron: &Polyhedron, wanted: Wanted) -> bool {
+        let volume = self.volume_error <= PROMISE * ball.volume().min(polyhedron.volume());
+        if wanted == Wanted::Volume || !volume {
+            return volume;
+        }
         let sphere = ball.surface_area();
         let whole: f64 = polyhedron.face_areas().iter().sum();
-        result.volume_error <= PROMISE * smaller
-            && result.sphere_area_error <= PROMISE * sphere.min(whole)
-            && result
-                .face_area_errors
-                .iter()
-                .zip(polyhedron.face_areas())
-                .all(|(error, face)| *error <= PROMISE * sphere.min(*face))
-    };
-    let mut result = evaluate::<Tracked<f64>>(ball, polyhedron, Precision::Single);
-    if !keeps(&result) {
-        result = evaluate::<Tracked<DoubleDouble>>(ball, polyhedron, Precision::Double);
+        let faces = self.face_area_errors.iter().zip(polyhedron.face_areas());
+        self.sphere_area_error <= PROMISE * sphere.min(whole)
+            && faces.into_iter().all(|(error, face)| *error <= PROMISE * sphere.min(*face))
     }
-    if !keeps(&result) {
-        result = evaluate::<Tracked<Wide>>(ball, polyhedron, Precision::Wide);
-    }
-    result
 }
 
 /// The kernel in any arithmetic that tracks its error.

@@ -49,6 +49,12 @@ pub trait Real:
         self
     }
 
+    /// The same number, known to be no larger in magnitude than `limit`; unchanged unless [`Real::TRACKED`].
+    #[inline]
+    fn confined(self, _limit: Self) -> Self {
+        self
+    }
+
     /// Absolute value.
     #[inline]
     fn abs(self) -> Self {

@@ -110,6 +110,13 @@ impl<R: Real> Real for Tracked<R> {
     fn with_error(self, more: f64) -> Self {
         Self { value: self.value, error: up(self.error + more) }
     }
+
+    #[inline]
+    fn confined(self, limit: Self) -> Self {
+        let largest = up(limit.magnitude() + limit.error);
+        // Zero with the whole range as its error is better than a value of which less is known.
+        if self.error > largest { Self { value: R::from_f64(0.0), error: largest } } else { self }
+    }
 }
 
 impl<R: Real> PartialEq for Tracked<R> {
