@@ -56,8 +56,11 @@ pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerm
     let one = R::from_f64(1.0);
     let half = R::from_f64(0.5);
     let distance = normal.dot(corners[0]);
+    let mut doubt = Doubt::default();
+    doubt.about_cut(distance);
     if distance.abs() >= one {
-        return FaceTerms { distance, area: zero, solid_angle: uncut_solid_angle(normal, distance, corners) };
+        let solid_angle = uncut_solid_angle(normal, distance, corners);
+        return doubt.applied_to(FaceTerms { distance, area: zero, solid_angle });
     }
 
     let d = distance;
@@ -69,6 +72,7 @@ pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerm
     let mut any_inside = false;
     for_each_edge(normal, d, corners, |edge| {
         let half_chord2 = s2 - edge.h * edge.h;
+        doubt.about_edge(edge.h, half_chord2);
         if half_chord2 <= zero {
             let (phi, g) = outside_piece(d, edge.h, edge.start, edge.end);
             turn = turn + phi;
@@ -77,6 +81,8 @@ pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerm
         }
         let t = half_chord2.sqrt();
         let (a, b) = (edge.start.t, edge.end.t);
+        doubt.about_order(a, t);
+        doubt.about_order(b, t);
         if a < -t {
             let end = if b < -t { edge.end } else { EdgePoint { t: -t, r: one } };
             let (phi, g) = outside_piece(d, edge.h, edge.start, end);
@@ -96,13 +102,99 @@ pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerm
         }
     });
 
-    if any_inside {
-        return FaceTerms { distance, area: half * (triangles + s2 * turn), solid_angle: d * turn - angle };
+    let terms = if any_inside {
+        FaceTerms { distance, area: half * (triangles + s2 * turn), solid_angle: d * turn - angle }
+    } else {
+        // No edge enters the ball: the turn is a whole number of times 2π, and the disc is in the face or not at all.
+        let two_pi = R::from_f64(2.0) * R::pi();
+        let turns = (turn / two_pi).to_f64();
+        doubt.about_turns(turns, turn, s2);
+        let turns = R::from_f64(turns.round());
+        FaceTerms { distance, area: R::pi() * s2 * turns, solid_angle: d * two_pi * turns - angle }
+    };
+    doubt.applied_to(terms)
+}
+
+/// What the branches not taken would have given, where rounding leaves open which one is right.
+///
+/// Only numbers that know their error ([`Real::TRACKED`]) ask; for others all of this compiles to nothing. With δ the
+/// distance from the decision plus the error of the number decided on, the two branches differ by
+///
+/// | decision | δ from | area | solid angle |
+/// |---|---|---|---|
+/// | the plane cuts the ball | abs(d) − 1 | disc: π s² ≤ 2πδ (1 + δ/2) | its cap: 2πδ |
+/// | the edge's line enters the disc | t² = s² − h² | ≤ π t² | ≤ π t², as 1/R − 1 ≤ t² within the chord |
+/// | P lies left or right of an edge outside | h | π h², since s² ≤ h² | 2π (1 − abs(d)) ≤ 2π h² |
+/// | an end of the edge is inside | t ∓ a | ≤ δ | ≤ π δ |
+/// | the disc is inside the face | turns | π s² | 2π s² |
+///
+/// and about twice that is added.
+#[derive(Default)]
+struct Doubt {
+    area: f64,
+    solid_angle: f64,
+}
+
+impl Doubt {
+    #[inline(always)]
+    fn add(&mut self, area: f64) {
+        self.area += area;
+        self.solid_angle += 2.0 * area;
     }
-    // No edge enters the ball: the turn is a whole number of times 2π, and the disc is in the face or not at all.
-    let two_pi = R::from_f64(2.0) * R::pi();
-    let turns = R::from_f64((turn / two_pi).to_f64().round());
-    FaceTerms { distance, area: R::pi() * s2 * turns, solid_angle: d * two_pi * turns - angle }
+
+    #[inline(always)]
+    fn about_cut<R: Real>(&mut self, d: R) {
+        if R::TRACKED {
+            let gap = (d.abs() - R::from_f64(1.0)).to_f64().abs();
+            if gap <= d.error() {
+                self.add(16.0 * (gap + d.error()));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_edge<R: Real>(&mut self, h: R, half_chord2: R) {
+        if R::TRACKED {
+            let (size, error) = (h.to_f64().abs(), h.error());
+            if size <= error {
+                self.add(8.0 * (size + error) * (size + error));
+            }
+            let (gap, error) = (half_chord2.to_f64().abs(), half_chord2.error());
+            if gap <= error {
+                self.add(8.0 * (gap + error));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_order<R: Real>(&mut self, a: R, t: R) {
+        if R::TRACKED {
+            let error = a.error() + t.error();
+            let gap = (a.abs() - t).to_f64().abs();
+            if gap <= error {
+                self.add(4.0 * (gap + error));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_turns<R: Real>(&mut self, turns: f64, turn: R, s2: R) {
+        if R::TRACKED && (turns - turns.round()).abs() + turn.error() > 0.25 {
+            self.add(8.0 * (s2.to_f64().abs() + s2.error()));
+        }
+    }
+
+    #[inline(always)]
+    fn applied_to<R: Real>(self, terms: FaceTerms<R>) -> FaceTerms<R> {
+        if !R::TRACKED {
+            return terms;
+        }
+        FaceTerms {
+            area: terms.area.with_error(self.area),
+            solid_angle: terms.solid_angle.with_error(self.solid_angle),
+            ..terms
+        }
+    }
 }
 
 /// A point of an edge: `t` along it from the foot of P, and `r` from the centre.

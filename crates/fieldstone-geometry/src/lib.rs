@@ -8,6 +8,7 @@
 
 mod ball;
 mod cap;
+mod certified;
 mod corner_volume;
 pub mod decomposition;
 pub mod double_double;
@@ -16,11 +17,13 @@ mod face_terms;
 mod overlap;
 mod polygon;
 mod polyhedron;
+pub mod precision;
 mod real;
 mod vector;
 
 pub use ball::{Ball, BallError};
 pub use cap::{cap_area, cap_volume};
+pub use certified::{CertifiedOverlap, PROMISE, Precision, certified_overlap};
 pub use corner_volume::corner_volume;
 pub use element::{CornerOrder, ElementKind};
 pub use face_terms::{FaceTerms, face_terms, polygon_solid_angle};
