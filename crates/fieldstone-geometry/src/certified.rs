@@ -72,13 +72,31 @@ pub fn certified_overlap(ball: &Ball, polyhedron: &Polyhedron) -> CertifiedOverl
     beyond_f64(ball, polyhedron, Wanted::Everything)
 }
 
+/// Overlap with bounds of its errors in the arithmetic named, whether or not that keeps the promise.
+///
+/// ```
+/// use fieldstone_geometry::{Ball, Polyhedron, Precision, overlap_in};
+/// let cube = Polyhedron::cuboid([0.0; 3], [1.0; 3])?;
+/// let ball = Ball::new([0.3, 0.2, 0.9], 0.7)?;
+/// let [rough, fine] = [Precision::F64, Precision::DoubleDouble].map(|p| overlap_in(&ball, &cube, p));
+/// assert!((rough.overlap.volume - fine.overlap.volume).abs() <= rough.volume_error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn overlap_in(ball: &Ball, polyhedron: &Polyhedron, precision: Precision) -> CertifiedOverlap {
+    match precision {
+        Precision::F64 => fast_overlap(ball, polyhedron),
+        Precision::DoubleDouble => evaluate::<Tracked<DoubleDouble>>(ball, polyhedron, precision),
+        Precision::Wide => evaluate::<Tracked<Wide>>(ball, polyhedron, precision),
+    }
+}
+
 /// The overlap in double-double, and in 256 bits where that is not enough.
 pub(crate) fn beyond_f64(ball: &Ball, polyhedron: &Polyhedron, wanted: Wanted) -> CertifiedOverlap {
-    let double = evaluate::<Tracked<DoubleDouble>>(ball, polyhedron, Precision::DoubleDouble);
+    let double = overlap_in(ball, polyhedron, Precision::DoubleDouble);
     if double.keeps_promise(ball, polyhedron, wanted) {
         return double;
     }
-    evaluate::<Tracked<Wide>>(ball, polyhedron, Precision::Wide)
+    overlap_in(ball, polyhedron, Precision::Wide)
 }
 
 impl CertifiedOverlap {
