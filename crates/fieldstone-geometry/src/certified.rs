@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::double_double::DoubleDouble;
 use crate::precision::{Tracked, Wide};
-use crate::{Ball, FaceTerms, Overlap, Polyhedron, Real, Vector, face_terms, fast_overlap, polygon_centroid};
+use crate::{Ball, FaceTerms, Overlap, Polyhedron, Real, Vector, face_terms, fast_overlap};
 
 /// Error that results are promised to stay below, relative to the smaller of the two volumes (areas: of sphere and
 /// face).
@@ -46,7 +46,7 @@ pub(crate) enum Wanted {
 /// Overlap with bounds of its errors, in the first precision that keeps the promise.
 ///
 /// The bounds hold for the result against the exact overlap of the ball with the polyhedron whose corners are the
-/// numbers given, faces that are not exactly planar being fanned around [`polygon_centroid`] (as computed). They are
+/// numbers given, faces that are not exactly planar being fanned around [`crate::polygon_centroid`] (as computed). They are
 /// below [`PROMISE`] times the smaller volume (for areas: the smaller of the whole sphere and the whole face) for any
 /// size ratio from 1e-6 to 1e6 and flatness down to 1e-6.
 ///
@@ -132,14 +132,12 @@ pub(crate) fn evaluate<R: Real>(ball: &Ball, polyhedron: &Polyhedron, precision:
     };
     let vertices = polyhedron.vertices();
     for (piece, corners) in polyhedron.rings() {
-        let points: Vec<DVec3> = corners.iter().map(|&k| vertices[k as usize]).collect();
-        let ring: Vec<Vector<R>> = points.iter().map(|&v| shifted(v)).collect();
+        let ring: Vec<Vector<R>> = corners.iter().map(|&k| shifted(vertices[k as usize])).collect();
         let face = piece.face as usize;
-        if is_exactly_planar(&points) {
+        if piece.warp == 0.0 {
             sums.add(face, &ring);
         } else {
-            let arrays: Vec<[f64; 3]> = points.iter().map(|p| p.to_array()).collect();
-            let apex = shifted(DVec3::from(polygon_centroid(&arrays)));
+            let apex = shifted(piece.apex);
             for (k, &a) in ring.iter().enumerate() {
                 sums.add(face, &[a, ring[(k + 1) % ring.len()], apex]);
             }
@@ -208,20 +206,4 @@ impl<R: Real> Sums<R> {
             precision,
         }
     }
-}
-
-/// Whether the corners lie in one plane, decided without rounding for coordinates of like magnitude.
-fn is_exactly_planar(points: &[DVec3]) -> bool {
-    let [first, _, _, rest @ ..] = points else { return true };
-    if rest.is_empty() {
-        return true;
-    }
-    if (0..3).any(|k| points.iter().all(|p| p[k] == first[k])) {
-        return true;
-    }
-    let wide = |v: DVec3| Vector::<Wide>::from_f64(v.to_array());
-    let at: Vec<Vector<Wide>> = points.iter().map(|&p| wide(p) - wide(*first)).collect();
-    let zero = Wide::from_f64(0.0);
-    let normal = at[1..].windows(2).fold(Vector::new(zero, zero, zero), |n, p| n + p[0].cross(p[1]));
-    at.iter().all(|&v| normal.dot(v) == zero)
 }

@@ -31,7 +31,7 @@ pub use corner_volume::corner_volume;
 pub use element::{CornerOrder, ElementKind};
 pub use face_terms::{FaceTerms, face_terms, polygon_solid_angle};
 pub use overlap::{ErrorBound, Overlap, fast_overlap, fast_overlap_volume, overlap, overlap_volume, volume_from_terms};
-pub use polygon::{flatness, polygon_area_vector, polygon_centroid, polygon_warp, warp_bound};
+pub use polygon::{flatness, is_exactly_planar, polygon_area_vector, polygon_centroid, polygon_warp, warp_bound};
 pub use polyhedron::{ElementError, Orientation, PLANARITY, Polyhedron};
 pub use real::Real;
 pub use vector::Vector;

@@ -107,8 +107,10 @@ pub(crate) struct Piece {
     pub end: u32,
     /// How its normal magnifies rounding, see [`flatness`].
     pub flatness: f64,
-    /// Largest distance of a corner from the plane, rounding included; 0 for triangles and axis-parallel faces.
+    /// Largest distance of a corner from the plane, rounding included; 0 where the corners lie in one plane exactly.
     pub warp: f64,
+    /// Centroid, around which the piece is fanned in more digits than `f64` where it is not exactly planar.
+    pub apex: DVec3,
 }
 
 /// A closed polyhedron with everything precomputed that does not depend on the ball.
@@ -312,6 +314,7 @@ impl Polyhedron {
             end: self.piece_corners.len() as u32,
             flatness: flatness(&points),
             warp: warp_bound(&points),
+            apex: DVec3::from(polygon_centroid(&points)),
         });
     }
 
@@ -330,10 +333,11 @@ impl Polyhedron {
         let at = |k: u32| Vector::<DoubleDouble>::from_f64(self.vertices[k as usize].to_array());
         let origin = at(0);
         let mut sum = DoubleDouble::ZERO;
-        for (_, corners) in self.rings() {
-            let apex = at(corners[0]) - origin;
-            for pair in corners[1..].windows(2) {
-                sum += apex.dot((at(pair[0]) - origin).cross(at(pair[1]) - origin));
+        for (piece, corners) in self.rings() {
+            let ring: Vec<Vector<DoubleDouble>> = corners.iter().map(|&k| at(k) - origin).collect();
+            let apex = if piece.warp == 0.0 { ring[0] } else { Vector::from_f64(piece.apex.to_array()) - origin };
+            for (k, &a) in ring.iter().enumerate() {
+                sum += apex.dot(a.cross(ring[(k + 1) % ring.len()]));
             }
         }
         f64::from(sum) / 6.0
