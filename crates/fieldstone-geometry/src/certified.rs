@@ -113,14 +113,54 @@ impl CertifiedOverlap {
     }
 }
 
+impl Polyhedron {
+    /// Calls `visit` with the face, the corners and the unit normal of every part of the surface that is planar exactly, in
+    /// the arithmetic R, moved and scaled so that the ball is the unit ball around the origin.
+    ///
+    /// Parts without area are left out; where rounding hides whether there is any, the normal's error is infinite.
+    pub(crate) fn for_each_planar_ring<R: Real>(
+        &self,
+        centre: &Vector<R>,
+        radius: R,
+        mut visit: impl FnMut(usize, &[Vector<R>], Vector<R>),
+    ) {
+        let shifted = |v: DVec3| {
+            let v = Vector::from_f64(v.to_array()) - *centre;
+            Vector::new(v.x / radius, v.y / radius, v.z / radius)
+        };
+        let mut visit_with_normal = |face: usize, ring: &[Vector<R>]| {
+            let zero = R::from_f64(0.0);
+            let mut area_vector = Vector::new(zero, zero, zero);
+            for pair in ring[1..].windows(2) {
+                area_vector = area_vector + (pair[0] - ring[0]).cross(pair[1] - ring[0]);
+            }
+            let length = area_vector.length();
+            if length <= zero && length.error() == 0.0 {
+                return;
+            }
+            let normal = Vector::new(area_vector.x / length, area_vector.y / length, area_vector.z / length);
+            visit(face, ring, normal);
+        };
+        let vertices = self.vertices();
+        for (piece, corners) in self.rings() {
+            let ring: Vec<Vector<R>> = corners.iter().map(|&k| shifted(vertices[k as usize])).collect();
+            let face = piece.face as usize;
+            if piece.warp == 0.0 {
+                visit_with_normal(face, &ring);
+            } else {
+                let apex = shifted(piece.apex);
+                for (k, &a) in ring.iter().enumerate() {
+                    visit_with_normal(face, &[a, ring[(k + 1) % ring.len()], apex]);
+                }
+            }
+        }
+    }
+}
+
 /// The kernel in any arithmetic that tracks its error.
 pub(crate) fn evaluate<R: Real>(ball: &Ball, polyhedron: &Polyhedron, precision: Precision) -> CertifiedOverlap {
     let centre = Vector::<R>::from_f64(ball.centre());
     let radius = R::from_f64(ball.radius());
-    let shifted = |v: DVec3| {
-        let v = Vector::from_f64(v.to_array()) - centre;
-        Vector::new(v.x / radius, v.y / radius, v.z / radius)
-    };
     let zero = R::from_f64(0.0);
     let faces = polyhedron.face_areas().len();
     let mut sums = Sums {
@@ -130,19 +170,7 @@ pub(crate) fn evaluate<R: Real>(ball: &Ball, polyhedron: &Polyhedron, precision:
         area_normal: Vector::new(zero, zero, zero),
         touched: false,
     };
-    let vertices = polyhedron.vertices();
-    for (piece, corners) in polyhedron.rings() {
-        let ring: Vec<Vector<R>> = corners.iter().map(|&k| shifted(vertices[k as usize])).collect();
-        let face = piece.face as usize;
-        if piece.warp == 0.0 {
-            sums.add(face, &ring);
-        } else {
-            let apex = shifted(piece.apex);
-            for (k, &a) in ring.iter().enumerate() {
-                sums.add(face, &[a, ring[(k + 1) % ring.len()], apex]);
-            }
-        }
-    }
+    polyhedron.for_each_planar_ring(&centre, radius, |face, ring, normal| sums.add(face, ring, normal));
     sums.finish(ball, polyhedron, radius, precision)
 }
 
@@ -155,21 +183,7 @@ struct Sums<R> {
 }
 
 impl<R: Real> Sums<R> {
-    fn add(&mut self, face: usize, ring: &[Vector<R>]) {
-        let zero = R::from_f64(0.0);
-        let mut area_vector = Vector::new(zero, zero, zero);
-        for pair in ring[1..].windows(2) {
-            area_vector = area_vector + (pair[0] - ring[0]).cross(pair[1] - ring[0]);
-        }
-        let length = area_vector.length();
-        if length <= zero {
-            // Without area there is no normal, and no contribution, beyond what rounding may hide.
-            if length.error() > 0.0 {
-                self.volume3 = self.volume3.with_error(f64::INFINITY);
-            }
-            return;
-        }
-        let normal = Vector::new(area_vector.x / length, area_vector.y / length, area_vector.z / length);
+    fn add(&mut self, face: usize, ring: &[Vector<R>], normal: Vector<R>) {
         let FaceTerms { distance, area, solid_angle } = face_terms(normal, ring);
         self.volume3 = self.volume3 + distance * area + solid_angle;
         self.solid_angle = self.solid_angle + solid_angle;

@@ -17,6 +17,7 @@ pub mod decomposition;
 pub mod double_double;
 mod element;
 mod face_terms;
+mod moments;
 mod overlap;
 mod polygon;
 mod polyhedron;
@@ -30,6 +31,7 @@ pub use certified::{CertifiedOverlap, PROMISE, Precision, certified_overlap, ove
 pub use corner_volume::corner_volume;
 pub use element::{CornerOrder, ElementKind};
 pub use face_terms::{FaceTerms, face_terms, polygon_solid_angle};
+pub use moments::{Moments, overlap_moments};
 pub use overlap::{ErrorBound, Overlap, fast_overlap, fast_overlap_volume, overlap, overlap_volume, volume_from_terms};
 pub use polygon::{flatness, is_exactly_planar, polygon_area_vector, polygon_centroid, polygon_warp, warp_bound};
 pub use polyhedron::{ElementError, Orientation, PLANARITY, Polyhedron};
