@@ -17,6 +17,7 @@ pub mod decomposition;
 pub mod double_double;
 mod element;
 mod face_terms;
+pub mod lanes;
 mod moments;
 mod overlap;
 mod polygon;

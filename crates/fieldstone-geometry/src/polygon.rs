@@ -61,7 +61,8 @@ pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
 /// The unit normal of a polygon with this flatness, computed from rounded corners, is off by about flatness × ε.
 pub fn flatness(corners: &[[f64; 3]]) -> f64 {
     let twice_area = 2.0 * DVec3::from(polygon_area_vector(corners)).length();
-    (extent(corners).powi(2) / twice_area).max(1.0)
+    // Finite, so that a face of which nothing is inside adds nothing to a bound, however flat it is.
+    (extent(corners).powi(2) / twice_area).clamp(1.0, 1e18)
 }
 
 /// Upper bound of the distance of the corners from a common plane: 0 exactly where they lie in one, else

@@ -103,6 +103,15 @@ fn pairs() -> u64 {
 }
 
 #[test]
+fn the_bound_of_a_needle_face_without_area_inside_is_a_number() {
+    // Found by the test below: flatness was infinite, and nothing times infinity no number.
+    let random = &mut Random(425_593);
+    let element = element(random).unwrap();
+    let ball = ball(&element, random).unwrap();
+    assert!(fast_overlap(&ball, &element).volume_error.is_finite());
+}
+
+#[test]
 fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
     let (mut compared, mut beyond, mut worst) = (0u64, [0u64; 3], [0.0f64; 2]);
     let mut ratios = Vec::new();
