@@ -52,6 +52,30 @@ pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
     corners.iter().map(|&p| normal.dot(DVec3::from(p) - centroid).abs()).fold(0.0, f64::max)
 }
 
+/// How a planar polygon magnifies rounding: the square of its extent from the first corner over twice its area, at least 1.
+///
+/// The unit normal of a polygon with this flatness, computed from rounded corners, is off by about flatness × ε.
+pub fn flatness(corners: &[[f64; 3]]) -> f64 {
+    let twice_area = 2.0 * DVec3::from(polygon_area_vector(corners)).length();
+    (extent(corners).powi(2) / twice_area).max(1.0)
+}
+
+/// Upper bound of the distance of the corners from a common plane: 0 where there surely is one (triangles, faces
+/// parallel to the axes), else [`polygon_warp`] and what rounding may have hidden.
+pub fn warp_bound(corners: &[[f64; 3]]) -> f64 {
+    let Some(first) = corners.first() else { return 0.0 };
+    if corners.len() == 3 || (0..3).any(|k| corners.iter().all(|p| p[k] == first[k])) {
+        return 0.0;
+    }
+    polygon_warp(corners) + 8.0 * f64::EPSILON * extent(corners)
+}
+
+/// Largest distance of a corner from the first.
+fn extent(corners: &[[f64; 3]]) -> f64 {
+    let Some(&first) = corners.first() else { return 0.0 };
+    corners.iter().map(|&p| (DVec3::from(p) - DVec3::from(first)).length()).fold(0.0, f64::max)
+}
+
 fn mean(corners: &[[f64; 3]]) -> DVec3 {
     // Relative to the first corner: far from the origin the plain sum would lose digits.
     let Some(&first) = corners.first() else { return DVec3::ZERO };
