@@ -1,11 +1,8 @@
 //! What holds for every ball and every polyhedron: one checker for the property tests and the fuzzer.
 
-use fieldstone_geometry::{Ball, Polyhedron, error_estimate, overlap, overlap_volume};
+use fieldstone_geometry::{Ball, Polyhedron, certified_overlap, flatness, overlap, overlap_volume};
 
 use super::{Point, Random, Shape, cross, dot, sub};
-
-/// Rounding may exceed the estimate, which is not a bound, this many times.
-pub const MARGIN: f64 = 2.0;
 
 /// By how much the worst case of each invariant used up what rounding may do; above 1 is a failure.
 #[derive(Debug, Default, Clone)]
@@ -33,9 +30,14 @@ impl Report {
 pub fn check(shape: &Shape, centre: Point, r: f64, random: &mut Random, report: &mut Report) -> Result<(), String> {
     let ball = Ball::new(centre, r).map_err(|e| e.to_string())?;
     let polyhedron = shape.build();
-    let whole = overlap(&ball, &polyhedron);
-    let allowed = |p: &Polyhedron, b: &Ball| MARGIN * error_estimate(b, p) + 1e-15 * b.volume().min(p.volume());
-    let tolerance = allowed(&polyhedron, &ball);
+    let certified = certified_overlap(&ball, &polyhedron);
+    let whole = &certified.overlap;
+    let tolerance = allowed(&ball, &polyhedron);
+    let (low, high) = polyhedron.bounds();
+    let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let surface: f64 = polyhedron.face_areas().iter().sum();
+    // Corners that the test computes are rounded, and faces bend by that much.
+    let bent = 8.0 * f64::EPSILON * size * surface.min(ball.surface_area());
 
     // Ranges.
     let smaller = ball.volume().min(polyhedron.volume());
@@ -53,39 +55,41 @@ pub fn check(shape: &Shape, centre: Point, r: f64, random: &mut Random, report: 
     if whole.gradient.iter().any(|x| !x.is_finite()) {
         return Err(format!("gradient {:?}", whole.gradient));
     }
-    if whole.volume != overlap_volume(&ball, &polyhedron) {
-        return Err("the volume alone differs from the volume with the rest".into());
-    }
+    let alone = overlap_volume(&ball, &polyhedron);
+    report.note("volume alone", (whole.volume - alone).abs(), tolerance + 1e-12 * smaller)?;
 
     // Additive: the parts on both sides of a plane.
-    let (low, high) = polyhedron.bounds();
-    let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
     let through = [0, 1, 2].map(|k| random.uniform(low[k], high[k]));
     let n = random.direction();
     if let Some(parts) = shape.split(n, dot(n, through), 0.02 * size) {
         let parts = parts.map(|p| p.build());
-        let mut sum = 0.0;
-        let mut allowed_sum = tolerance;
+        let (mut sum, mut area) = (0.0, 0.0);
+        let (mut allowed_sum, mut allowed_area) = (tolerance + 2.0 * bent, certified.sphere_area_error);
         for part in &parts {
-            sum += overlap_volume(&ball, part);
-            allowed_sum += allowed(part, &ball);
+            let found = certified_overlap(&ball, part);
+            sum += found.overlap.volume;
+            area += found.overlap.sphere_area;
+            allowed_sum += allowed(&ball, part);
+            allowed_area += found.sphere_area_error;
         }
-        // New corners are rounded, and the cut is what they say on both sides; the old faces bend by an ε.
-        allowed_sum += 8.0 * f64::EPSILON * size * size.min(r).powi(2);
         report.note("additive", (sum - whole.volume).abs(), allowed_sum)?;
+        // A sphere along a bent face gains or loses a strip as wide as the root of what the face is bent by.
+        allowed_area += 1e-6 * surface.min(ball.surface_area());
+        report.note("sphere area is additive", (area - whole.sphere_area).abs(), allowed_area)?;
     }
 
     // Monotone in r.
     for factor in [1.0 + 1e-12, 1.0 + 1e-6, 1.01, 1.5] {
         let larger = Ball::new(centre, r * factor).unwrap();
-        let more = overlap_volume(&larger, &polyhedron);
-        report.note("monotone", (whole.volume - more).max(0.0), tolerance + allowed(&polyhedron, &larger))?;
+        let more = overlap(&larger, &polyhedron).volume;
+        report.note("monotone", (whole.volume - more).max(0.0), tolerance + allowed(&larger, &polyhedron))?;
     }
 
     // Symmetric: corners relabelled, axes permuted and reversed; exact in the input.
     let (turned, moved) = relabelled(shape, centre, random);
-    let same = overlap(&Ball::new(moved, r).unwrap(), &turned.build());
-    report.note("symmetric", (same.volume - whole.volume).abs(), 2.0 * tolerance)?;
+    let (turned, moved) = (turned.build(), Ball::new(moved, r).unwrap());
+    let same = overlap(&moved, &turned).volume;
+    report.note("symmetric", (same - whole.volume).abs(), tolerance + allowed(&moved, &turned) + bent)?;
 
     // Scaled by a power of two: every operation is the same but for the exponent.
     let exponent = random.whole(-60, 60) as i32;
@@ -107,22 +111,25 @@ pub fn check(shape: &Shape, centre: Point, r: f64, random: &mut Random, report: 
     if !polyhedron.has_warped_faces() {
         let mut three_volumes = r * whole.sphere_area;
         let mut gradient = [0.0; 3];
-        let (mut reach, mut total) = (0.0f64, 0.0);
-        for (face, &area) in shape.faces.iter().zip(&whole.face_areas) {
+        let mut rounding = 3.0 * tolerance + r * (certified.sphere_area_error + 1e-15 * whole.sphere_area);
+        let mut rounding_gradient = 0.0;
+        for (k, face) in shape.faces.iter().enumerate() {
+            let ring: Vec<Point> = face.iter().map(|&k| shape.corners[k]).collect();
+            let (area, error) = (whole.face_areas[k], certified.face_area_errors[k]);
             let n = normal(shape, face);
-            let d = dot(n, sub(shape.corners[face[0]], centre));
-            three_volumes += d * area;
-            reach = reach.max(d.abs());
-            total += area;
+            let to = sub(ring[0], centre);
+            three_volumes += dot(n, to) * area;
             for k in 0..3 {
                 gradient[k] -= n[k] * area;
             }
+            // A flat face's normal is uncertain by its extent over its height.
+            let tilt = 32.0 * f64::EPSILON * flatness(&ring) * area;
+            rounding += tilt * (dot(to, to).sqrt() + size) + error * dot(n, to).abs();
+            rounding_gradient += tilt + error;
         }
-        // A flat face's normal is uncertain by its size over its height; the estimate counts that, times the distance.
-        let rounding = 3.0 * tolerance + 1e-14 * (r + reach) * (total + whole.sphere_area);
         report.note("divergence theorem", (three_volumes - 3.0 * whole.volume).abs(), rounding)?;
         let off = (0..3).map(|k| (gradient[k] - whole.gradient[k]).abs()).fold(0.0, f64::max);
-        report.note("gradient is the sum of areas", off, 3.0 * tolerance / r + 1e-14 * total)?;
+        report.note("gradient is the sum of areas", off, rounding_gradient)?;
     }
 
     // Derivatives: over a short way the volume changes by the mean of the derivative, which lies among its values.
@@ -131,18 +138,18 @@ pub fn check(shape: &Shape, centre: Point, r: f64, random: &mut Random, report: 
     let (mut areas, mut slopes) = (Vec::new(), Vec::new());
     let mut ends = [0.0; 4];
     let mut rounding = [0.0; 2];
-    for i in 0..=8 {
-        let t = f64::from(i - 4) / 4.0;
+    for i in 0..=8u8 {
+        let t = (f64::from(i) - 4.0) / 4.0;
         let grown = Ball::new(centre, r + t * h).unwrap();
         let shifted = Ball::new([0, 1, 2].map(|k| centre[k] + t * h * direction[k]), r).unwrap();
         let (a, b) = (overlap(&grown, &polyhedron), overlap(&shifted, &polyhedron));
         areas.push(a.sphere_area);
         slopes.push(dot(b.gradient, direction));
         if i % 8 == 0 {
-            ends[i as usize / 8] = a.volume;
-            ends[2 + i as usize / 8] = b.volume;
-            rounding[0] += allowed(&polyhedron, &grown);
-            rounding[1] += allowed(&polyhedron, &shifted);
+            let end = usize::from(i / 8);
+            (ends[end], ends[2 + end]) = (a.volume, b.volume);
+            rounding[0] += allowed(&grown, &polyhedron);
+            rounding[1] += allowed(&shifted, &polyhedron);
         }
     }
     for (name, values, step, allowed) in [
@@ -156,10 +163,15 @@ pub fn check(shape: &Shape, centre: Point, r: f64, random: &mut Random, report: 
         let allowed = 0.5 * (high - low)
             + allowed / h
             + 2.0 * f64::EPSILON * far / h * low.abs().max(high.abs())
-            + 1e-7 * ball.surface_area().min(polyhedron.face_areas().iter().sum());
+            + 1e-7 * surface.min(ball.surface_area());
         report.note(name, (low - mean).max(mean - high).max(0.0), allowed)?;
     }
     Ok(())
+}
+
+/// What the volume may be off by: the bound that comes with it, and the rounding of the result itself.
+pub fn allowed(ball: &Ball, polyhedron: &Polyhedron) -> f64 {
+    certified_overlap(ball, polyhedron).volume_error + f64::EPSILON * ball.volume().min(polyhedron.volume())
 }
 
 /// Unit outward normal of a planar face.

@@ -153,7 +153,7 @@ impl Shape {
         Self { corners: self.corners.iter().map(|&p| f(p)).collect(), faces: self.faces.clone() }
     }
 
-    /// The parts of a convex shape with n·x ≤ d and with n·x ≥ d; `None` where a corner is within `gap` of the plane
+    /// The parts of a shape (convex, or all triangles) with n·x ≤ d and with n·x ≥ d; `None` where a corner is within `gap` of the plane
     /// (parts thinner than that have no faces that `f64` can tell) or where nothing is cut.
     pub fn split(&self, n: Point, d: f64, gap: f64) -> Option<[Self; 2]> {
         let side: Vec<f64> = self.corners.iter().map(|&p| dot(n, p) - d).collect();
@@ -196,14 +196,16 @@ impl Shape {
                     cut.insert(from, to);
                 }
             }
-            let mut ring = vec![*cut.keys().next().unwrap()];
-            while let Some(&next) = cut.get(ring.last().unwrap()) {
-                if next == ring[0] {
-                    break;
+            // One loop where the shape is convex, else maybe several.
+            while let Some((first, second)) = cut.pop_first() {
+                let mut ring = vec![first, second];
+                while let Some(next) = cut.remove(ring.last().unwrap()) {
+                    if next != first {
+                        ring.push(next);
+                    }
                 }
-                ring.push(next);
+                faces.push(ring);
             }
-            faces.push(ring);
             faces
         });
         Some(parts.map(|faces| Self { corners: corners.clone(), faces }.compact()))
