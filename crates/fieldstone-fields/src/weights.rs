@@ -1,7 +1,7 @@
 //! The volume that each particle has in each cell, as a sparse matrix.
 
 use fieldstone_geometry::Ball;
-use fieldstone_mesh::Cells;
+use fieldstone_mesh::{Cells, PathCounts};
 use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
@@ -36,6 +36,7 @@ pub struct Weights {
     balls: Vec<f64>,
     outside: Vec<f64>,
     cell_count: usize,
+    paths: PathCounts,
 }
 
 struct Block {
@@ -43,6 +44,7 @@ struct Block {
     pairs: Vec<(u32, f64)>,
     balls: Vec<f64>,
     outside: Vec<f64>,
+    paths: PathCounts,
 }
 
 impl Weights {
@@ -79,13 +81,19 @@ impl Weights {
         let blocks: Vec<Block> = (0..positions.len().div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
-                || cells.scratch(),
+                || binning.scratch(),
                 |scratch, block| {
                     let range = block * BLOCK..positions.len().min((block + 1) * BLOCK);
                     let count = range.len();
-                    let block = bin_block(&binning, range, positions, radii, domain, scratch);
+                    let before = binning.path_counts(scratch);
+                    let mut block = bin_block(&binning, range, positions, radii, domain, scratch)?;
+                    let after = binning.path_counts(scratch);
+                    block.paths = PathCounts {
+                        evaluated: after.evaluated - before.evaluated,
+                        beyond_f64: after.beyond_f64 - before.beyond_f64,
+                    };
                     done(count);
-                    block
+                    Ok::<_, FieldsError>(block)
                 },
             )
             .collect::<Result<_, _>>()?;
@@ -97,6 +105,7 @@ impl Weights {
             balls: Vec::with_capacity(positions.len()),
             outside: Vec::with_capacity(positions.len()),
             cell_count: cells.cell_count(),
+            paths: PathCounts::default(),
         };
         this.volumes.reserve(this.cells.capacity());
         let mut end = 0;
@@ -109,6 +118,8 @@ impl Weights {
             this.volumes.extend(block.pairs.iter().map(|p| p.1));
             this.balls.extend(block.balls);
             this.outside.extend(block.outside);
+            this.paths.evaluated += block.paths.evaluated;
+            this.paths.beyond_f64 += block.paths.beyond_f64;
         }
         Ok(this)
     }
@@ -153,6 +164,11 @@ impl Weights {
     /// Volume of each particle that lies outside all cells.
     pub fn outside(&self) -> &[f64] {
         &self.outside
+    }
+
+    /// How many overlaps were evaluated, and how many of them needed more digits than `f64` has.
+    pub fn path_counts(&self) -> PathCounts {
+        self.paths
     }
 
     /// For each cell the sum over particles of volume × value.
@@ -221,7 +237,13 @@ fn bin_block<C: Cells>(
     domain: Option<&Domain>,
     scratch: &mut C::Scratch,
 ) -> Result<Block, FieldsError> {
-    let mut block = Block { counts: Vec::new(), pairs: Vec::new(), balls: Vec::new(), outside: Vec::new() };
+    let mut block = Block {
+        counts: Vec::new(),
+        pairs: Vec::new(),
+        balls: Vec::new(),
+        outside: Vec::new(),
+        paths: PathCounts::default(),
+    };
     let mut row = Vec::new();
     for particle in range {
         row.clear();

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fieldstone_geometry::{
-    FaceTerms, PLANARITY, Vector, face_terms, polygon_area_vector, polygon_centroid, polygon_warp,
+    FaceTerms, PLANARITY, Vector, face_terms, flatness, polygon_area_vector, polygon_centroid, polygon_warp,
 };
 use glam::DVec3;
 
@@ -44,6 +44,8 @@ pub(crate) struct Surface {
     planes: Vec<(DVec3, DVec3)>,
     /// Whether a piece turns left at every corner, by more than rounding.
     convex: Vec<bool>,
+    /// Largest flatness and warp of each face's pieces, for the bound of the rounding error.
+    pub shapes: Vec<[f64; 2]>,
     /// Area-weighted centroid of each face.
     pub centroids: Vec<DVec3>,
     /// Area vector of each face.
@@ -61,6 +63,7 @@ impl Surface {
             corners: Vec::with_capacity(parts.face_points.len()),
             planes: Vec::with_capacity(faces),
             convex: Vec::with_capacity(faces),
+            shapes: Vec::with_capacity(faces),
             centroids: Vec::with_capacity(faces),
             area_vectors: Vec::with_capacity(faces),
             warped_faces: 0,
@@ -68,14 +71,13 @@ impl Surface {
         let mut points = Vec::new();
         for face in 0..faces {
             let ring = parts.face(face);
+            this.shapes.push([1.0, 0.0]);
             points.clear();
             points.extend(ring.iter().map(|&k| parts.points[k as usize]));
             let centroid = DVec3::from(polygon_centroid(&points));
             this.centroids.push(centroid);
             this.area_vectors.push(DVec3::from(polygon_area_vector(&points)));
-            let diameter =
-                points.iter().map(|&p| (DVec3::from(p) - DVec3::from(points[0])).length()).fold(0.0, f64::max);
-            if polygon_warp(&points) <= PLANARITY * diameter {
+            if polygon_warp(&points) <= PLANARITY * extent(&points) {
                 this.push_piece(ring);
             } else {
                 this.warped_faces += 1;
@@ -94,6 +96,13 @@ impl Surface {
         let points: Vec<[f64; 3]> = ring.iter().map(|&k| self.vertices[k as usize].to_array()).collect();
         // A piece without area has no normal and contributes nothing to either side.
         let Some(normal) = DVec3::from(polygon_area_vector(&points)).try_normalize() else { return };
+        if let Some([flattest, warp]) = self.shapes.last_mut() {
+            *flattest = flattest.max(flatness(&points));
+            // Exactness costs more than it gains here: a face within rounding of its plane keeps that rounding.
+            if ring.len() > 3 {
+                *warp = warp.max(polygon_warp(&points) + 8.0 * f64::EPSILON * extent(&points));
+            }
+        }
         self.corners.extend_from_slice(ring);
         self.piece_ends.push(self.corners.len() as u32);
         self.planes.push((self.vertices[ring[0] as usize], normal));
@@ -193,4 +202,9 @@ impl Surface {
         });
         (centre - centre.clamp(low, high)).length_squared() >= radius * radius
     }
+}
+
+/// Largest distance of a corner from the first.
+fn extent(points: &[[f64; 3]]) -> f64 {
+    points.iter().map(|&p| (DVec3::from(p) - DVec3::from(points[0])).length()).fold(0.0, f64::max)
 }

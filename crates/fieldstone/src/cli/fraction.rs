@@ -38,7 +38,7 @@ pub(crate) struct Fraction {
     cells: CellsArguments,
     #[command(flatten)]
     particles: ParticleArguments,
-    /// kernel or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
+    /// kernel, kernel-f64 or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
