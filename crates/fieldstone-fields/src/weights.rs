@@ -76,7 +76,7 @@ impl Weights {
         let radii = particles.radii()?;
         let positions = particles.positions();
         let binning = Binning::new(cells, method)?;
-        let order = along_a_curve(positions);
+        let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
         let blocks: Vec<Block> = order
             .par_chunks(BLOCK)
             .map_init(
@@ -313,11 +313,23 @@ fn merge_equal_cells(row: &mut Vec<(u32, f64)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fieldstone_mesh::Grid;
+    use fieldstone_geometry::{CornerOrder, ElementKind};
+    use fieldstone_mesh::{CellList, Mesh};
+
+    /// 4³ unit cubes.
+    fn mesh_of_cubes() -> Mesh {
+        let points = (0..125).map(|p| [p % 5, p / 5 % 5, p / 25].map(f64::from)).collect();
+        let mut cells = CellList::new();
+        for at in (0..125u32).filter(|p| p % 5 < 4 && p / 5 % 5 < 4 && p / 25 < 4) {
+            let corners = [0, 1, 6, 5, 25, 26, 31, 30].map(|step| at + step);
+            cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &corners).unwrap();
+        }
+        Mesh::from_cells(points, cells).unwrap()
+    }
 
     #[test]
     fn particles_listed_in_another_order_get_the_same_rows() {
-        let grid = Grid::new([0.0; 3], [4.0; 3], [4; 3]).unwrap();
+        let cells = mesh_of_cubes();
         // More than one block, all over the box, and two of them at the same place.
         let mut positions: Vec<[f64; 3]> =
             (0..500).map(|i| [7, 11, 13].map(|step| f64::from(i * step % 397) / 100.0)).collect();
@@ -325,7 +337,7 @@ mod tests {
         let radii: Vec<f64> = (0..500).map(|i| 0.1 + 0.001 * f64::from(i)).collect();
         let build = |positions: Vec<[f64; 3]>, radii: Vec<f64>| {
             let particles = Particles::new(positions).unwrap().with_radii(radii).unwrap();
-            Weights::build(&grid, &particles, Method::Kernel, None).unwrap()
+            Weights::build(&cells, &particles, Method::Kernel, None).unwrap()
         };
         let reversed = build(positions.iter().rev().copied().collect(), radii.iter().rev().copied().collect());
         let forward = build(positions, radii);
