@@ -111,8 +111,9 @@ def mixed(dtype, polyhedra=True):
     insert(vtk.VTK_TETRA, [a, d, e, centre], 1.0 / 12.0)
     c = cube(3)
     insert(vtk.VTK_QUAD, [c[0], c[1], c[3], c[2]], None)
+    # VTK 9.7 reversed the winding of wedges, and files do not say which they have: one of each.
     insert(vtk.VTK_WEDGE, [c[0], c[2], c[1], c[4], c[6], c[5]], 0.5)
-    insert(vtk.VTK_WEDGE, [c[1], c[2], c[3], c[5], c[6], c[7]], 0.5)
+    insert(vtk.VTK_WEDGE, [c[1], c[3], c[2], c[5], c[7], c[6]], 0.5)
     if polyhedra:
         for x in (4, 5):
             c = cube(x)

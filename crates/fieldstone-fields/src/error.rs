@@ -16,6 +16,16 @@ pub enum FieldsError {
         /// The reason.
         source: BallError,
     },
+    /// The volume of a particle, or the sum over all of them, is beyond 64-bit floats.
+    #[error(
+        "particle {particle} has radius {radius:e}; radii must be between 1e-100 and 1e100 for their volumes to be numbers"
+    )]
+    RadiusRange {
+        /// Index of the particle, from 0.
+        particle: usize,
+        /// Its radius.
+        radius: f64,
+    },
     /// A cell cannot be decomposed.
     #[error("cell {cell}: {source}")]
     Decomposition {
@@ -46,7 +56,7 @@ pub enum FieldsError {
         mesh_high: [f64; 3],
     },
     /// A parcel weight is not usable.
-    #[error("particle {particle} has parcel weight {value}; weights must be finite and not negative")]
+    #[error("particle {particle} has parcel weight {value}; weights must be between 0 and 1e100")]
     ParcelWeight {
         /// Index of the particle, from 0.
         particle: usize,

@@ -87,7 +87,7 @@ pub fn solid_fraction_observed<C: Cells>(
     let parcels = match &options.parcel_weights {
         Some(w) => {
             check_length("particles", w.len(), count)?;
-            if let Some(particle) = w.iter().position(|w| !(*w >= 0.0 && w.is_finite())) {
+            if let Some(particle) = w.iter().position(|w| !(0.0..=1e100).contains(w)) {
                 return Err(FieldsError::ParcelWeight { particle, value: w[particle] });
             }
             w

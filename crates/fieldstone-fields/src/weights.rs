@@ -269,6 +269,10 @@ fn bin_block<C: Cells>(
     let mut row = Vec::new();
     for &particle in particles {
         row.clear();
+        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
+        if !(1e-100..=1e100).contains(&radii[particle]) {
+            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
+        }
         let ball = |centre| Ball::new(centre, radii[particle]).map_err(|source| FieldsError::Ball { particle, source });
         let original = ball(positions[particle])?;
         let seed = particle as u64;

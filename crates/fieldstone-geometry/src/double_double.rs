@@ -18,6 +18,7 @@
 //! Source: `dekker1971`; the sum is the accurate one of `joldes2017` (`AccurateDWPlusDW`), the product its
 //! `DWTimesDW3`.
 
+use glam::DVec3;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Sum of two numbers as rounded value and exact error: `a + b == s + e`.
@@ -226,6 +227,25 @@ impl SubAssign for DoubleDouble {
     }
 }
 
+/// Cross product (a₁ − a₀) × (b₁ − b₀), each pair given as `[to, from]`, as good as the last rounding.
+///
+/// The differences are exact and the products and their differences carry 106 bits, so that the direction is right
+/// also where the factors are nearly parallel or the points lie close together.
+///
+/// Source: `strobl2016`, Sec. 4.4.
+pub(crate) fn cross_of_differences(a: [DVec3; 2], b: [DVec3; 2]) -> DVec3 {
+    let difference = |[to, from]: [DVec3; 2]| {
+        [
+            DoubleDouble::from_difference(to.x, from.x),
+            DoubleDouble::from_difference(to.y, from.y),
+            DoubleDouble::from_difference(to.z, from.z),
+        ]
+    };
+    let (a, b) = (difference(a), difference(b));
+    let component = |i: usize, j: usize| f64::from(a[i] * b[j] - a[j] * b[i]);
+    DVec3::new(component(1, 2), component(2, 0), component(0, 1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,6 +294,15 @@ mod tests {
             let rest = f64::from(a.sqrt() * a.sqrt() - a) / a.hi();
             prop_assert!(rest.abs() <= 16.0 * 2f64.powi(-106), "{}", rest);
         }
+    }
+
+    #[test]
+    fn cross_product_of_nearly_parallel_differences_is_right_to_the_last_bit() {
+        // (1, 1 + ε, 0) × (1 + ε, 1 + 2ε, 0): z = 1 + 2ε − (1 + ε)² = −ε², below the rounding of either product.
+        let e = f64::EPSILON;
+        let (a, b) = (DVec3::new(1.0, 1.0 + e, 0.0), DVec3::new(1.0 + e, 1.0 + 2.0 * e, 0.0));
+        assert_eq!(cross_of_differences([a, DVec3::ZERO], [b, DVec3::ZERO]), DVec3::new(0.0, 0.0, -e * e));
+        assert_ne!(a.cross(b).z, -e * e);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Files that appear whole or not at all.
 
-use std::io::{BufWriter, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -9,27 +10,48 @@ use crate::IoError;
 
 /// A file under construction: written under a temporary name in the target's folder, renamed by
 /// [`AtomicFile::commit`], removed when dropped before that.
+///
+/// A symbolic link stays, and the file that it leads to is replaced. Devices and pipes are written to directly: to
+/// put a file in their place would break the system for everybody else.
 #[derive(Debug)]
 pub struct AtomicFile {
     target: PathBuf,
-    stream: BufWriter<NamedTempFile>,
+    stream: BufWriter<Sink>,
+}
+
+#[derive(Debug)]
+enum Sink {
+    Temporary(NamedTempFile),
+    Device(File),
 }
 
 impl AtomicFile {
     /// Starts a file that will be called `target`; its folder must exist.
     ///
     /// # Errors
-    /// [`IoError::System`] where the folder cannot be written to.
+    /// [`IoError::System`] where the folder cannot be written to, or there is a folder called `target`.
     pub fn create(target: &Path) -> Result<Self, IoError> {
-        let folder = match target.parent() {
+        let system = |source| IoError::System { path: target.into(), action: "write", source };
+        let found = std::fs::metadata(target).ok();
+        if found.as_ref().is_some_and(std::fs::Metadata::is_dir) {
+            return Err(system(Error::new(ErrorKind::IsADirectory, "there is a folder of this name")));
+        }
+        let buffered = |target: PathBuf, sink| Self { target, stream: BufWriter::with_capacity(1 << 18, sink) };
+        if found.as_ref().is_some_and(|f| !f.is_file()) {
+            let device = OpenOptions::new().write(true).open(target).map_err(system)?;
+            return Ok(buffered(target.into(), Sink::Device(device)));
+        }
+        let resolved = if found.is_some() { target.canonicalize().map_err(system)? } else { target.into() };
+        let folder = match resolved.parent() {
             Some(p) if !p.as_os_str().is_empty() => p,
             _ => Path::new("."),
         };
         let file = tempfile::Builder::new()
             .prefix(".fieldstone-")
             .tempfile_in(folder)
-            .map_err(|source| IoError::System { path: target.into(), action: "write", source })?;
-        Ok(Self { target: target.into(), stream: BufWriter::with_capacity(1 << 18, file) })
+            // The error names the temporary file, which means nothing to the user.
+            .map_err(|e| system(Error::new(e.kind(), e.kind().to_string())))?;
+        Ok(buffered(resolved, Sink::Temporary(file)))
     }
 
     /// Gives the file its name; an older file of that name is replaced.
@@ -39,7 +61,7 @@ impl AtomicFile {
     pub fn commit(self) -> Result<(), IoError> {
         let Self { target, stream } = self;
         let system = |source| IoError::System { path: target.clone(), action: "write", source };
-        let file = stream.into_inner().map_err(|e| system(e.into_error()))?;
+        let Sink::Temporary(file) = stream.into_inner().map_err(|e| system(e.into_error()))? else { return Ok(()) };
         // Temporary files are private; results are as readable as any file that the user creates.
         #[cfg(unix)]
         {
@@ -69,5 +91,54 @@ impl Write for AtomicFile {
 
     fn flush(&mut self) -> std::io::Result<()> {
         self.stream.flush()
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match self {
+            Self::Temporary(file) => file.write(bytes),
+            Self::Device(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match self {
+            Self::Temporary(file) => file.flush(),
+            Self::Device(file) => file.flush(),
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_symbolic_link_stays_and_the_file_behind_it_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (link, file) = (folder.path().join("link"), folder.path().join("file"));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        AtomicFile::write(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_device_is_written_to_and_not_replaced_by_a_file() {
+        let null = Path::new("/dev/null");
+        AtomicFile::write(null, |out| out.write_all(b"text")).unwrap();
+        assert!(!std::fs::metadata(null).unwrap().is_file());
+    }
+
+    #[test]
+    fn a_folder_in_the_place_of_the_file_is_named_and_nothing_is_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("result.csv");
+        std::fs::create_dir(&place).unwrap();
+        let message = AtomicFile::create(&place).unwrap_err().to_string();
+        assert!(message.contains("result.csv: cannot write: there is a folder of this name"), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -1,4 +1,5 @@
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -30,7 +31,7 @@ impl fmt::Display for Position {
 #[derive(Debug, Error)]
 pub enum IoError {
     /// The operating system refused to open, read or write.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {source}{}", path.display(), advice(source.kind()))]
     System {
         /// File or folder.
         path: PathBuf,
@@ -98,5 +99,19 @@ impl IoError {
         remedy: impl Into<String>,
     ) -> Self {
         Self::Content { path: path.into(), position, found: found.into(), remedy: remedy.into() }
+    }
+}
+
+/// What to do about a refusal of the operating system, where that can be said.
+fn advice(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NotFound => "\n  check the name; relative ones count from the folder that the program runs in",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "\n  check the permissions, or give another place"
+        }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "\n  make room, or give another place",
+        ErrorKind::UnexpectedEof => "\n  the file ends too early: copy it again, or write it again",
+        ErrorKind::InvalidInput | ErrorKind::InvalidData => "\n  the file is damaged: copy it again, or write it again",
+        _ => "",
     }
 }

@@ -75,7 +75,9 @@ impl LineReader {
 
     /// An error at the current line.
     pub(crate) fn error(&self, found: impl Into<String>, remedy: impl Into<String>) -> IoError {
-        IoError::content(&self.path, Position::Line(self.number), found, remedy)
+        // An empty file has no line to point at.
+        let position = if self.number == 0 { Position::File } else { Position::Line(self.number) };
+        IoError::content(&self.path, position, found, remedy)
     }
 }
 

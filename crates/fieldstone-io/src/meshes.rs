@@ -20,13 +20,16 @@ enum Format {
     OpenFoam,
     Gmsh,
     Vtk,
-    Unknown,
+    /// None that holds a mesh; with what it looks like.
+    Unknown(&'static str),
 }
 
 fn format_of(path: &Path) -> Result<Format, IoError> {
     let folder = |p: &Path| p.is_dir();
     let in_poly_mesh = path.parent().is_some_and(|p| p.file_name().is_some_and(|n| n == "polyMesh"));
-    if folder(path) || in_poly_mesh {
+    // ParaView's empty marker file stands for the case that it lies in.
+    let marker = path.extension().is_some_and(|e| e == "foam");
+    if folder(path) || in_poly_mesh || marker {
         return Ok(Format::OpenFoam);
     }
     let mut start = Vec::new();
@@ -43,7 +46,13 @@ fn format_of(path: &Path) -> Result<Format, IoError> {
     if begins("# vtk DataFile") || begins("<VTKFile") || begins("<?xml") {
         return Ok(Format::Vtk);
     }
-    Ok(Format::Unknown)
+    Ok(Format::Unknown(match start {
+        [] => "the file is empty",
+        _ if begins("ITEM:") => "this is a LIGGGHTS or LAMMPS dump of particles, not a mesh",
+        _ if begins("solid") || begins("ply") => "this is a surface (STL, PLY), not a mesh of volume cells",
+        _ if begins("FoamFile") || begins("/*") => "this is an OpenFOAM file outside of a polyMesh folder",
+        _ => "the content is not that of a mesh",
+    }))
 }
 
 /// Reads a mesh, deciding on the format by content: an OpenFOAM case, `constant`, `polyMesh` or `processorN` folder (or a
@@ -53,13 +62,12 @@ fn format_of(path: &Path) -> Result<Format, IoError> {
 /// [`IoError::UnknownFormat`] where the content is none of these; else the reader's own.
 pub fn read_mesh(path: &Path) -> Result<Mesh, IoError> {
     match format_of(path)? {
-        Format::OpenFoam if path.is_dir() => openfoam::read_poly_mesh(path),
-        Format::OpenFoam => openfoam::read_poly_mesh(path.parent().unwrap_or(path)),
+        Format::OpenFoam => openfoam::read_poly_mesh(path),
         Format::Gmsh => gmsh::read_gmsh(path),
         Format::Vtk => vtk::read_vtk_mesh(path),
-        Format::Unknown => Err(IoError::UnknownFormat {
+        Format::Unknown(found) => Err(IoError::UnknownFormat {
             path: path.into(),
-            found: "the content is not that of a mesh".into(),
+            found: found.into(),
             readable: "OpenFOAM polyMesh folders, Gmsh .msh 2.2 and 4.1, VTK .vtu and .vtk".into(),
         }),
     }
@@ -74,7 +82,7 @@ pub fn file_kind(path: &Path) -> Result<FileKind, IoError> {
         Format::OpenFoam => !path.ancestors().any(|p| p.file_name().is_some_and(|n| n == "lagrangian")),
         Format::Gmsh => true,
         Format::Vtk => vtk::read_vtk(path)?.has_volume_cells(),
-        Format::Unknown => false,
+        Format::Unknown(_) => false,
     };
     Ok(if mesh { FileKind::Mesh } else { FileKind::Particles })
 }

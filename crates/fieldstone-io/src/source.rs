@@ -1,7 +1,7 @@
 //! Opening files: compressed or not, with errors that name them.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Error, ErrorKind, Read};
 use std::path::Path;
 
 use flate2::bufread::MultiGzDecoder;
@@ -11,14 +11,20 @@ use crate::IoError;
 /// A buffered byte stream over the file's content, decompressed where the file is gzip by its first bytes.
 ///
 /// # Errors
-/// [`IoError::System`] where the file cannot be opened or is a folder.
+/// [`IoError::System`] where the file cannot be opened, or is a folder, a pipe or a device.
 pub fn open(path: &Path) -> Result<BufReader<Box<dyn Read + Send>>, IoError> {
     let system = |source| IoError::System { path: path.into(), action: "open", source };
-    let file = File::open(path).map_err(system)?;
-    if file.metadata().map_err(system)?.is_dir() {
-        return Err(system(std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder")));
+    // Before opening: that would wait for the other end of a pipe.
+    let metadata = std::fs::metadata(path).map_err(system)?;
+    if metadata.is_dir() {
+        return Err(system(Error::new(ErrorKind::IsADirectory, "it is a folder")));
     }
-    let mut raw = BufReader::with_capacity(1 << 16, file);
+    if !metadata.is_file() {
+        // The format is found by a first look, and frames are counted before one is read.
+        let reason = "it is a pipe or a device, and files are read more than once; save the data in a file first";
+        return Err(system(Error::new(ErrorKind::Unsupported, reason)));
+    }
+    let mut raw = BufReader::with_capacity(1 << 16, File::open(path).map_err(system)?);
     let gzip = std::io::BufRead::fill_buf(&mut raw).map_err(system)?.starts_with(&[0x1f, 0x8b]);
     let stream: Box<dyn Read + Send> = if gzip { Box::new(MultiGzDecoder::new(raw)) } else { Box::new(raw) };
     Ok(BufReader::with_capacity(1 << 18, stream))

@@ -1,5 +1,7 @@
 //! Files with bytes flipped, cut out, repeated or cut off: a reader may refuse them, never panic or hang.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

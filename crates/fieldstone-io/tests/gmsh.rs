@@ -1,5 +1,7 @@
 //! Gmsh meshes: real ones in every version and encoding, and broken ones.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -128,7 +130,7 @@ const NODES: &str = "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 1 1 0\n40 0 1 0\n55 0.5 0.5 
 #[test]
 fn orphan_nodes_are_kept_node_numbers_may_have_gaps_and_unknown_sections_are_passed_over() {
     let mesh = text(&format!(
-        "{FORMAT}$Comments\n$Nodes is not here\n$EndComments\n{NODES}\
+        "$Comments\nby hand\n$EndComments\n{FORMAT}$Comments\n$Nodes is not here\n$EndComments\n{NODES}\
          $Elements\n3\n8 15 2 0 1 7\n9 2 2 0 1 1 2 3\n11 7 2 0 1 1 2 3 40 55\n$EndElements\n\
          $NodeData\n1\n\"T\"\n$EndNodeData\n"
     ))

@@ -1,6 +1,8 @@
 //! Particle readers against files made at random: right ones must come back bit for bit, damaged ones must end
 //! in a frame or an error, soon and in little memory.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

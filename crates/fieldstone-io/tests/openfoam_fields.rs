@@ -1,5 +1,7 @@
 //! OpenFOAM fields and clouds, written by us and by OpenFOAM.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::Path;
 

@@ -1,10 +1,13 @@
 //! OpenFOAM meshes: real ones, the same ones stored in other ways, and broken ones.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::HashMap;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
 
+use fieldstone_geometry::ElementKind;
 use fieldstone_io::openfoam::read_poly_mesh;
 use fieldstone_mesh::{Mesh, MeshParts};
 use fieldstone_testing::{data, extended, read_text};
@@ -84,6 +87,27 @@ fn a_gzipped_mesh_is_read_and_cell_zones_may_be_missing() {
     assert!(mesh.parts().zones.is_empty());
     let volume: f64 = mesh.cell_volumes().iter().sum();
     assert!(volume > 1e-3 && volume < 2e-3, "{volume}");
+}
+
+#[test]
+fn a_mesh_with_hanging_nodes_has_the_cells_and_the_volume_that_check_mesh_reports() {
+    let mesh = read_poly_mesh(&data("openfoam/refined")).unwrap();
+    assert_eq!((mesh.parts().points.len(), mesh.cell_count()), (55, 19));
+    let polyhedra = (0..19).filter(|&c| mesh.cell_kind(c) == ElementKind::Polyhedron).count();
+    assert_eq!(polyhedra, 6);
+    let volume: f64 = mesh.cell_volumes().iter().sum();
+    assert!((volume - 1.05).abs() < 1e-14, "{volume}");
+}
+
+#[test]
+fn a_compressed_file_that_is_cut_off_is_refused() {
+    let case = tempfile::tempdir().unwrap();
+    copy(&data("openfoam/refined"), case.path());
+    let faces = case.path().join("constant/polyMesh/faces.gz");
+    let bytes = fs::read(&faces).unwrap();
+    fs::write(&faces, &bytes[..bytes.len() / 2]).unwrap();
+    let e = read_poly_mesh(case.path()).unwrap_err().to_string();
+    assert!(e.contains("faces.gz: cannot read"), "{e}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::element::{Edge, Face, Vertex};
 use super::general_wedge::{EPSILON, WedgePlanes, unit_general_wedge};
 use super::part::Part;
-use crate::double_double::DoubleDouble;
+use crate::double_double::cross_of_differences;
 
 /// A vertex inside the unit ball and what is known of its surroundings.
 pub(crate) struct Cone<'a> {
@@ -14,8 +14,6 @@ pub(crate) struct Cone<'a> {
     pub point: DVec3,
     pub edges: &'a [Edge],
     pub faces: &'a [Face],
-    /// Signed distance of each face's plane from the centre.
-    pub plane_distance: &'a [f64; 6],
     /// For each of the vertex's edges: its length *outside* the element, from the vertex to the sphere.
     pub reach: [f64; 3],
     /// Wedge of each of the element's edges.
@@ -32,32 +30,28 @@ impl Cone<'_> {
     /// close to the sphere the vertex is. Three terms can degenerate:
     ///
     /// * all three $\vec y_j$ vanish: the cone is nothing;
-    /// * two vanish: the cone is the wedge of the third edge, already known;
+    /// * two vanish: the cone is the wedge of the third edge, already known, provided that this edge leads out of the
+    ///   ball, so that its extension crosses it; else the third $\vec y_j$ is next to nothing too, if above the
+    ///   threshold by chance, and so is the cone;
     /// * the $\vec y_j$ differ by orders of magnitude, so that the base plane's normal, the cross product of their
-    ///   differences, cancels: it is formed in [`DoubleDouble`].
+    ///   differences, cancels: it is formed in double-double.
     pub fn part(&self) -> Part {
         let reach = self.reach;
         let collapsed = reach.map(|s| s <= EPSILON);
-        match collapsed {
-            [true, true, true] => return Part::default(),
-            [true, true, false] => return self.wedges[usize::from(self.vertex.edges[2])],
-            [true, false, true] => return self.wedges[usize::from(self.vertex.edges[1])],
-            [false, true, true] => return self.wedges[usize::from(self.vertex.edges[0])],
-            _ => {}
+        if let Some(third) = [0, 1, 2].into_iter().find(|i| collapsed[(i + 1) % 3] && collapsed[(i + 2) % 3]) {
+            let edge = usize::from(self.vertex.edges[third]);
+            let leaves = self.point.dot(self.inward(third)) > 0.0;
+            return if leaves { self.wedges[edge] } else { Part::default() };
         }
-        let y = [0, 1, 2].map(|j| {
-            let edge = &self.edges[usize::from(self.vertex.edges[j])];
-            let into_element = if edge.vertices[0] == self.index { edge.direction } else { -edge.direction };
-            into_element * -reach[j]
-        });
+        let y = [0, 1, 2].map(|j| self.inward(j) * -reach[j]);
         // The edges are right-handed, so their extensions, turned round, are left-handed: y0 → y2 → y1 runs
         // counter-clockwise seen from outside the cone, and this normal points away from the vertex.
-        let Some(base) = base_normal(y) else {
+        let Some(base) = cross_of_differences([y[2], y[0]], [y[1], y[0]]).try_normalize() else {
             return Part::default();
         };
         let tetrahedron = reach[0] * reach[1] * reach[2] * self.vertex.determinant / 6.0;
         let base_distance = base.dot(self.point + (y[0] + y[1] + y[2]) / 3.0);
-        let mut part = Part { volume: tetrahedron, area: 0.0 } + Part::cap(base_distance);
+        let mut part = Part { triple_volume: 3.0 * tetrahedron, area: 0.0 } + Part::cap(base_distance);
         for i in 0..3 {
             let (from, to) = (y[(i + 1) % 3], y[(i + 2) % 3]);
             let chord = to - from;
@@ -66,33 +60,19 @@ impl Cone<'_> {
                 continue;
             }
             let along = chord / length;
-            let face = usize::from(self.vertex.faces[i]);
-            let side = self.faces[face].normal;
+            let side = self.faces[usize::from(self.vertex.faces[i])].normal;
             // Both ends are on the sphere, so the middle is the foot of the perpendicular from the centre.
             let middle = self.point + 0.5 * (from + to);
-            let planes = WedgePlanes {
-                s: [middle.dot(base), -self.plane_distance[face]],
-                c: [middle.dot(base.cross(along)), middle.dot(side.cross(along))],
-                normals: [base, -side],
-            };
+            let planes = WedgePlanes::new(middle, [base, -side], [base.cross(along), side.cross(along)]);
             part -= unit_general_wedge(&planes, 0.5 * length);
         }
         part
     }
-}
 
-/// Unit normal of the plane through three points, exact but for the last rounding.
-///
-/// `None` where the points lie on a line: there is then no cone.
-fn base_normal(y: [DVec3; 3]) -> Option<DVec3> {
-    let difference = |a: DVec3, b: DVec3| {
-        [
-            DoubleDouble::from_difference(a.x, b.x),
-            DoubleDouble::from_difference(a.y, b.y),
-            DoubleDouble::from_difference(a.z, b.z),
-        ]
-    };
-    let (a, b) = (difference(y[2], y[0]), difference(y[1], y[0]));
-    let component = |i: usize, j: usize| f64::from(a[i] * b[j] - a[j] * b[i]);
-    DVec3::new(component(1, 2), component(2, 0), component(0, 1)).try_normalize()
+    /// Direction of one of the vertex's edges, out of the vertex.
+    #[inline(always)]
+    fn inward(&self, which: usize) -> DVec3 {
+        let edge = &self.edges[usize::from(self.vertex.edges[which])];
+        if edge.vertices[0] == self.index { edge.direction } else { -edge.direction }
+    }
 }

@@ -4,12 +4,16 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::ElementKind;
+use crate::double_double::cross_of_differences;
 
 /// Largest distance of a corner from its face's plane, in units of the element's size, for a face to count as planar.
 ///
 /// Caps use the plane, wedges the edges (Sec. 4.5): what a corner is off its plane by goes into the volume as an error
 /// of about that size times the face's area.
 pub const PLANARITY_TOLERANCE: f64 = 1e-10;
+
+/// Coordinates beyond it would overflow in a volume.
+const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Volume below which an element counts as flat, in units of the cube of its size.
 const FLATNESS_TOLERANCE: f64 = 64.0 * f64::EPSILON;
@@ -18,8 +22,10 @@ const FLATNESS_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DecompositionElementError {
-    /// A coordinate is infinite or not a number.
-    #[error("corner {corner} of the {kind} is at {at:?}; every coordinate must be a finite number")]
+    /// A coordinate is infinite, not a number, or so large that volumes overflow.
+    #[error(
+        "corner {corner} of the {kind} is at {at:?}; every coordinate must be a number within ±{LARGEST_COORDINATE:e}"
+    )]
     NotFinite {
         /// Shape asked for.
         kind: ElementKind,
@@ -213,7 +219,7 @@ impl DecompositionElement {
         let mut points = [DVec3::ZERO; 8];
         for (corner, &at) in corners.iter().enumerate() {
             points[corner] = DVec3::from(at);
-            if !points[corner].is_finite() {
+            if at.iter().any(|x| !x.is_finite() || x.abs() > LARGEST_COORDINATE) {
                 return Err(E::NotFinite { kind, corner, at });
             }
         }
@@ -224,7 +230,7 @@ impl DecompositionElement {
 
         let (edges, edge_count) = edges(kind, &points)?;
         let volume = signed_volume(kind, &points);
-        if !(volume.abs() > FLATNESS_TOLERANCE * size * size * size) {
+        if volume.abs() <= FLATNESS_TOLERANCE * size * size * size {
             return Err(E::ZeroVolume { kind, volume, size });
         }
         if volume < 0.0 {
@@ -269,7 +275,7 @@ fn edges(kind: ElementKind, points: &[DVec3; 8]) -> Result<([Edge; 12], usize), 
             }
             let along = points[to] - points[from];
             let length = along.length();
-            if !(length > 0.0) {
+            if length == 0.0 {
                 let (first, second) = (from.min(to), from.max(to));
                 let at = points[from].to_array();
                 return Err(DecompositionElementError::CoincidentCorners { kind, first, second, at });
@@ -290,12 +296,13 @@ fn edges(kind: ElementKind, points: &[DVec3; 8]) -> Result<([Edge; 12], usize), 
 /// Plane of a face: the area vector's direction, through the mean of the corners.
 fn plane(corners: &[usize], points: &[DVec3; 8]) -> Face {
     let centre = corners.iter().map(|&v| points[v]).sum::<DVec3>() / corners.len() as f64;
-    // Half the cross product of the diagonals is a quadrilateral's area vector.
-    let (a, b) = match corners {
-        [a, b, c] => (points[*b] - points[*a], points[*c] - points[*a]),
-        _ => (points[corners[2]] - points[corners[0]], points[corners[3]] - points[corners[1]]),
+    // Half the cross product of the diagonals is a quadrilateral's area vector. A needle's sides are nearly parallel,
+    // hence the extended precision.
+    let (a, b) = match *corners {
+        [a, b, c] => ([points[b], points[a]], [points[c], points[a]]),
+        _ => ([points[corners[2]], points[corners[0]]], [points[corners[3]], points[corners[1]]]),
     };
-    Face { normal: a.cross(b).normalize_or_zero(), centre }
+    Face { normal: cross_of_differences(a, b).normalize_or_zero(), centre }
 }
 
 /// Sum of the tetrahedra from corner 0 to each triangle of each face's fan.

@@ -4,7 +4,7 @@
 //!
 //! Line 13 as printed marks the vertex closest to the centre also where *both* intersections lie inside the edge,
 //! i.e. where neither vertex is in the ball: a ball of radius 0.8 around the centre of a unit cube then gets 7 marked
-//! vertices (the consistency pass cannot remove them, since all twelve edges are marked), where the true number is 0.
+//! vertices, or 8, as ties are broken (the consistency pass cannot remove them, since all twelve edges are marked), where the true number is 0.
 //! The rule meant, and used here, is: the first vertex is marked iff $i_0 < 0$, the second iff $i_1 > 1$.
 //!
 //! # One decision per vertex
@@ -39,10 +39,8 @@ pub(crate) struct Intersections {
     pub depth: [f64; 8],
     /// Signed distance of each face's plane from the centre.
     pub distance: [f64; 6],
-    /// For each marked edge, the position of its first vertex along the line, from the foot point.
-    pub first: [f64; 12],
-    /// For each edge, the distance of its line from the foot point of each of its faces, away from the face.
-    pub in_plane: [[f64; 2]; 12],
+    /// For each edge, the positions of its vertices along the line, from the foot point.
+    pub position: [[f64; 2]; 12],
 }
 
 impl Intersections {
@@ -56,8 +54,7 @@ impl Intersections {
             points: [DVec3::ZERO; 8],
             depth: [0.0; 8],
             distance: [0.0; 6],
-            first: [0.0; 12],
-            in_plane: [[0.0; 2]; 12],
+            position: [[0.0; 2]; 12],
         };
         for (index, &point) in element.points().iter().enumerate() {
             let point = (point - centre) * inverse_radius;
@@ -97,8 +94,7 @@ impl Intersections {
             // The plane's distance and the one within it are the legs of the triangle with the line's distance.
             let distance_squared = self.distance[f0] * self.distance[f0] + in_plane[0] * in_plane[0];
             let vertex_inside = self.vertices >> v0 & 1 != 0 || self.vertices >> v1 & 1 != 0;
-            self.first[index] = m0;
-            self.in_plane[index] = in_plane;
+            self.position[index] = [m0, m1];
             if vertex_inside || (m0 < 0.0 && m1 > 0.0 && distance_squared < 1.0) {
                 self.edges |= 1 << index;
                 self.faces |= 1 << f0 | 1 << f1;

@@ -24,10 +24,14 @@
 //!
 //! # Accuracy
 //!
-//! The terms of Eq. 2 are of the ball's size and cancel down to the overlap's, so the absolute error is a few
-//! ε r³ however small the element: at `r` = 10 element sizes some 1e-12 of the element, at 1,000 some 1e-6. For
-//! balls of that size, slivers and faces that are not planar use the crate's main method. What the ball touches is
-//! decided once per vertex, so a sphere through a vertex, along an edge or on a face is no special case.
+//! The terms of Eq. 2 are of the ball's size and cancel down to the overlap's, so the absolute error follows the ball
+//! however small the element: at most 5e-15 of the ball's volume in the 60-digit cases (generic, tangent, centred on a
+//! vertex, slivers, balls up to 10⁶ element sizes). As a share of the *element* that is 1e-11 at `r` = 10
+//! element sizes, 1e-5 at 1,000, and nothing is left at 10⁵; there, use [`overlap_volume`](crate::overlap_volume). A ball
+//! of 10⁻⁶ element sizes loses what the element's coordinates leave of its distances, up to 1e-10 of its volume.
+//!
+//! What the ball meets is decided once per vertex, so a sphere through a vertex, along an edge or on a face is no
+//! special case.
 //!
 //! Source: `strobl2016` (J. Comput. Phys. 311, 158–172).
 
@@ -58,8 +62,7 @@ use crate::Ball;
 ///
 /// $$ V = V_\mathrm{ball} - \sum V_\mathrm{cap} + \sum V_\mathrm{wedge} - \sum V_\mathrm{cone} $$
 ///
-/// In [0, volume of the smaller body] but for rounding; never below 0. Absolute error a few ε r³, see the
-/// [module](self).
+/// Never below 0 nor above the element's volume. Absolute error a few ε r³, see the [module](self).
 ///
 /// Cost: bounding boxes, then all corners and planes; for a partial overlap four arc tangents per edge that meets the
 /// ball and twelve per vertex inside it. No heap memory.

@@ -22,7 +22,8 @@ pub(super) fn volume(centre: [f64; 3], radius: f64, element: &DecompositionEleme
     match overlap(centre, radius, element) {
         Overlap::Nothing => 0.0,
         Overlap::WholeElement => element.volume(),
-        Overlap::Ball(part) => part.volume * (radius * radius * radius),
+        // A huge ball's rounding errors can be larger than the element.
+        Overlap::Ball(part) => (part.triple_volume * (radius * radius * radius) / 3.0).min(element.volume()),
     }
 }
 
@@ -47,6 +48,7 @@ fn overlap(centre: [f64; 3], radius: f64, element: &DecompositionElement) -> Ove
     if found.vertices.count_ones() == u32::from(element.counts.vertices) {
         return Overlap::WholeElement;
     }
+    // The planes are needed below; that one of them keeps the ball outside is a second coarse test for nothing.
     if !found.planes(element, centre, inverse_radius) {
         return Overlap::Nothing;
     }
@@ -67,47 +69,39 @@ fn partial(element: &DecompositionElement, found: &Intersections) -> Part {
         part -= Part::cap(found.distance[index]);
     }
     let mut wedges = [Part::default(); 12];
-    let mut chords = [0.0; 12];
     for index in bits(found.edges) {
         let edge = &edges[index];
         let face = edge.faces.map(usize::from);
-        let planes = WedgePlanes {
-            s: [found.distance[face[0]], found.distance[face[1]]],
-            c: found.in_plane[index],
-            normals: [faces[face[0]].normal, faces[face[1]].normal],
-        };
-        chords[index] = half_chord(planes.distance_squared());
-        wedges[index] = unit_general_wedge(&planes, chords[index]);
+        // The foot point itself, not the planes' distances: these have rounding errors of their own, and where the
+        // line passes close to the centre the angles come from small numbers that must belong to one vector.
+        let [m0, m1] = found.position[index];
+        let near = if m0.abs() <= m1.abs() { 0 } else { 1 };
+        let foot = found.points[usize::from(edge.vertices[near])] - edge.direction * found.position[index][near];
+        let planes = WedgePlanes::new(foot, face.map(|f| faces[f].normal), edge.outward);
+        wedges[index] = unit_general_wedge(&planes, half_chord(planes.distance_squared()));
         part += wedges[index];
     }
     for index in bits(found.vertices.into()) {
         let vertex = &vertices[index];
         let reach = vertex.edges.map(|e| {
             let e = usize::from(e);
-            let edge = &edges[e];
-            // Position along the edge's line, from the foot, the element being on the positive side.
-            let position = if usize::from(edge.vertices[0]) == index {
-                found.first[e]
-            } else {
-                found.points[index].dot(-edge.direction)
-            };
-            // Distance against the edge to the sphere, position + half chord, without the cancellation.
-            if position > 0.0 { position + chords[e] } else { found.depth[index] / (chords[e] - position) }
+            // Along the edge's line from the foot, the element being on the positive side.
+            let [m0, m1] = found.position[e];
+            let position = if usize::from(edges[e].vertices[0]) == index { m0 } else { -m1 };
+            // Distance against the edge to the sphere. Half the chord anew from the vertex's depth: both summands are
+            // positive, and near tangency a chord of the line's own rounding would contradict the vertex being inside.
+            let depth = found.depth[index];
+            let half_chord = (position * position + depth).sqrt();
+            if position > 0.0 { position + half_chord } else { depth / (half_chord - position) }
         });
-        let cone = Cone {
-            vertex,
-            point: found.points[index],
-            edges,
-            faces,
-            plane_distance: &found.distance,
-            reach,
-            wedges: &wedges,
-            index: index as u8,
-        };
+        let cone =
+            Cone { vertex, point: found.points[index], edges, faces, reach, wedges: &wedges, index: index as u8 };
         part -= cone.part();
     }
+    // A wrong set of primitives misses by a whole wedge or cone: do not let the clamp below hide it.
+    debug_assert!(part.triple_volume > -1e-12 && part.area > -1e-12, "negative overlap {part:?} with {found:?}");
     // Rounding can leave a tiny negative number where the overlap is next to nothing.
-    Part { volume: part.volume.max(0.0), area: part.area.max(0.0) }
+    Part { triple_volume: part.triple_volume.max(0.0), area: part.area.max(0.0) }
 }
 
 /// Positions of the set bits, lowest first.

@@ -23,7 +23,7 @@ fn mean(corners: &[[f64; 3]]) -> [f64; 3] {
 
 /// Three tetrahedra that fill a wedge, without new corners.
 ///
-/// The quadrilaterals are cut along the diagonals 0–4, 1–5 and 0–5 … the last two meet at corner 5.
+/// The quadrilaterals are cut along the diagonals 0–4, 1–5 and 0–5.
 ///
 /// Source: `strobl2016`, Sec. 4.5; `dompierre1999`.
 pub fn wedge_to_3_tetrahedra(wedge: &WedgeCorners) -> [TetrahedronCorners; 3] {

@@ -142,9 +142,14 @@ impl Content {
     }
 }
 
-/// Reads `$MeshFormat`, which must come first, and sets number widths and byte order.
+/// Reads `$MeshFormat`, which must come before all but comments, and sets number widths and byte order.
 fn read_format(input: &mut Input) -> Result<Version, IoError> {
-    if input.next_section()?.as_deref() != Some("MeshFormat") {
+    let mut section = input.next_section()?;
+    while section.as_deref() == Some("Comments") {
+        input.skip_section("Comments")?;
+        section = input.next_section()?;
+    }
+    if section.as_deref() != Some("MeshFormat") {
         return Err(input.error_at(
             0,
             "the file does not begin with $MeshFormat",

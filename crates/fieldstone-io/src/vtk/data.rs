@@ -217,12 +217,6 @@ impl VtkData {
         self.image.as_ref().map_or(self.cells.len(), VtkImage::cell_count)
     }
 
-    /// Whether there is a cell with a volume: tetrahedron, voxel, hexahedron, wedge, pyramid, polyhedron, or a
-    /// quadratic one.
-    pub fn has_volume_cells(&self) -> bool {
-        self.cells.types().iter().any(|kind| matches!(kind, 10..=14 | 24..=27 | 29 | 32 | 33 | 42))
-    }
-
     /// The column called `name` on points, on cells, or of the data set: the first found in this order.
     pub fn array(&self, name: &str) -> Option<&DataArray> {
         self.point_data.iter().chain(&self.cell_data).chain(&self.field_data).find(|a| a.name == name)

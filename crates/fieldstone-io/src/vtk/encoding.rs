@@ -36,6 +36,20 @@ pub enum VtkCompression {
     Lzma,
 }
 
+/// Order of a wedge's corners.
+///
+/// VTK 9.7 turned the wedge round: its first triangle, which used to be wound outwards, is wound inwards, as in
+/// CGNS, Gmsh and most other formats. A file says nothing of it, so each side of the change finds negative
+/// volumes in the other's wedges. Our readers take either.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum VtkWedges {
+    /// For VTK 9.7 and newer.
+    #[default]
+    SinceVtk97,
+    /// For VTK up to 9.6, and for meshio.
+    BeforeVtk97,
+}
+
 /// How a VTK file is written.
 ///
 /// The default, appended base64 with zlib, is opened by VTK, ParaView, pyvista and meshio.
@@ -51,11 +65,14 @@ pub struct VtkEncoding {
     pub format: VtkFormat,
     /// How they are compressed.
     pub compression: VtkCompression,
+    /// How the corners of wedges are listed.
+    pub wedges: VtkWedges,
 }
 
 impl VtkEncoding {
     /// Text, for the eye and for version control.
-    pub const TEXT: Self = Self { format: VtkFormat::Ascii, compression: VtkCompression::None };
+    pub const TEXT: Self =
+        Self { format: VtkFormat::Ascii, compression: VtkCompression::None, wedges: VtkWedges::SinceVtk97 };
 
     /// The attribute that names the compressor; empty where there is none.
     pub(super) fn compressor_attribute(self) -> &'static str {

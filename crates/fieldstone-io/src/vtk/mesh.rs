@@ -144,6 +144,11 @@ impl VtkData {
         Ok(VtkMesh { mesh, file_cells, ignored })
     }
 
+    /// Whether there is a three-dimensional cell, so that the file holds a mesh and not just points and surfaces.
+    pub fn has_volume_cells(&self) -> bool {
+        self.cells.types().iter().any(|&kind| !matches!(role(kind), Role::Ignored | Role::Unknown))
+    }
+
     fn no_mesh(&self, source: fieldstone_mesh::MeshError) -> IoError {
         IoError::Mesh { path: self.path.clone(), source }
     }
@@ -192,6 +197,7 @@ mod tests {
     fn a_file_with_surfaces_only_is_refused_and_says_what_it_has() {
         let e = data(5, &[0, 1, 2]).to_mesh().unwrap_err();
         assert!(e.to_string().contains("1 of type 5"), "{e}");
+        assert!(!data(5, &[0, 1, 2]).has_volume_cells() && data(10, &[0, 1, 2, 3]).has_volume_cells());
         assert!(VtkData::new(VtkKind::PolyData).to_mesh().is_err());
     }
 

@@ -29,7 +29,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 pub use data::{VtkCells, VtkData, VtkImage, VtkKind, VtkLocation, VtkSummary};
-pub use encoding::{VtkCompression, VtkEncoding, VtkFormat};
+pub use encoding::{VtkCompression, VtkEncoding, VtkFormat, VtkWedges};
 pub use mesh::{VtkMesh, read_vtk_mesh};
 pub use particles::read_vtk_particles;
 pub use series::{read_pvd, write_pvd};

@@ -7,7 +7,7 @@ use fieldstone_mesh::{Grid, Mesh};
 
 use super::cells::POLYHEDRON;
 use super::data::VtkImage;
-use super::encoding::{Column, VtkEncoding};
+use super::encoding::{Column, VtkEncoding, VtkWedges};
 use super::xml_writer::{VtkArrays, XmlFile};
 use crate::IoError;
 
@@ -24,7 +24,11 @@ struct UnstructuredGrid {
 }
 
 impl UnstructuredGrid {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(mesh: &Mesh, wedges: VtkWedges) -> Self {
+        let order = match wedges {
+            VtkWedges::SinceVtk97 => CornerOrder::Cgns,
+            VtkWedges::BeforeVtk97 => CornerOrder::Vtk,
+        };
         let mut grid = Self::default();
         let mut points = Vec::new();
         for cell in 0..mesh.cell_count() {
@@ -32,8 +36,7 @@ impl UnstructuredGrid {
             match (type_code(kind), mesh.cell_corners(cell)) {
                 (Some(code), Some(corners)) => {
                     // The permutation is its own inverse.
-                    let order = kind.to_cgns(CornerOrder::Vtk);
-                    grid.connectivity.extend(order.iter().map(|&k| i64::from(corners[k])));
+                    grid.connectivity.extend(kind.to_cgns(order).iter().map(|&k| i64::from(corners[k])));
                     grid.types.push(code);
                     grid.faceoffsets.push(-1);
                 }
@@ -105,7 +108,7 @@ fn type_code(kind: ElementKind) -> Option<u8> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_vtu(path: &Path, mesh: &Mesh, arrays: VtkArrays<'_>, encoding: VtkEncoding) -> Result<(), IoError> {
-    let grid = UnstructuredGrid::new(mesh);
+    let grid = UnstructuredGrid::new(mesh, encoding.wedges);
     let points = &mesh.parts().points;
     let mut file = XmlFile::new(path, encoding, "UnstructuredGrid", "", arrays.time)?;
     file.open("Piece", &format!(" NumberOfPoints=\"{}\" NumberOfCells=\"{}\"", points.len(), grid.types.len()));

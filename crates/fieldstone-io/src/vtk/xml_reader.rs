@@ -307,8 +307,11 @@ struct Joined {
 impl Joined {
     /// Adds a piece's columns. A column that not all pieces have cannot be completed: it is dropped.
     fn add(&mut self, columns: Vec<DataArray>, tuples: usize) {
-        // A piece without points often lists no columns.
+        // A piece without points often lists no columns; of a file without points, the names are worth keeping.
         if tuples == 0 {
+            if !self.started && self.columns.is_empty() {
+                self.columns = columns;
+            }
             return;
         }
         if !self.started {

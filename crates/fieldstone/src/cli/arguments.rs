@@ -1,8 +1,9 @@
 //! Arguments that several subcommands share.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use anyhow::{Context, bail};
+use anyhow::{anyhow, bail};
 use clap::Args;
 use fieldstone::io::{ParticleOptions, read_frame, read_mesh};
 use fieldstone::mesh::{Grid, Mesh};
@@ -12,22 +13,21 @@ use fieldstone::particles::{Domain, Particles};
 #[derive(Debug, Args)]
 pub(crate) struct CellsArguments {
     /// Mesh: an OpenFOAM case or polyMesh folder, Gmsh .msh (2.2, 4.1), VTK .vtu or .vtk
-    #[arg(long, value_name = "MESH", conflicts_with_all = ["grid", "cells"])]
+    #[arg(long, value_name = "MESH", conflicts_with_all = ["grid", "cells"], required_unless_present = "grid")]
     pub mesh: Option<PathBuf>,
-    /// Cartesian grid instead of a mesh, e.g. -0.05,0.05,-0.05,0.05,0,0.1
+    /// Cartesian grid instead of a mesh: bounds in the particles' unit of length, e.g. -0.05,0.05,-0.05,0.05,0,0.1
+    // The first bound may be negative, which must not be taken for an option.
     #[arg(
         long,
         value_name = "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX",
-        value_delimiter = ',',
-        num_args = 6,
-        allow_negative_numbers = true,
-        requires = "cells",
-        required_unless_present = "mesh"
+        value_parser = bounds,
+        allow_hyphen_values = true,
+        requires = "cells"
     )]
-    pub grid: Option<Vec<f64>>,
+    pub grid: Option<[f64; 6]>,
     /// Cells of the grid along x, y and z, e.g. 20,20,40
-    #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',', num_args = 3, requires = "grid")]
-    pub cells: Option<Vec<usize>>,
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = counts, allow_hyphen_values = true, requires = "grid")]
+    pub cells: Option<[usize; 3]>,
 }
 
 /// Cells of either kind.
@@ -38,15 +38,93 @@ pub(crate) enum CellSet {
 
 impl CellsArguments {
     pub fn read(&self) -> anyhow::Result<CellSet> {
-        match (&self.mesh, self.grid.as_deref(), self.cells.as_deref()) {
+        match (&self.mesh, self.grid, self.cells) {
             (Some(path), ..) => Ok(CellSet::Mesh(Box::new(read_mesh(path)?))),
-            (None, Some(&[x0, x1, y0, y1, z0, z1]), Some(&[nx, ny, nz])) => {
-                let grid = Grid::new([x0, y0, z0], [x1, y1, z1], [nx, ny, nz]).context("--grid and --cells")?;
+            (None, Some([x0, x1, y0, y1, z0, z1]), Some(cells)) => {
+                let grid = Grid::new([x0, y0, z0], [x1, y1, z1], cells).map_err(|e| anyhow!("--grid, --cells: {e}"))?;
+                check_memory(&grid, available_memory())?;
                 Ok(CellSet::Grid(grid))
             }
             _ => bail!("give either --mesh, or --grid with six numbers and --cells with three"),
         }
     }
+
+    /// What the cells are called in messages.
+    pub fn name(&self) -> String {
+        self.mesh.as_ref().map_or_else(|| "the grid".into(), |path| path.display().to_string())
+    }
+}
+
+/// Numbers separated by commas.
+fn list<T: FromStr + Copy + Default, const N: usize>(text: &str, example: &str) -> Result<[T; N], String> {
+    let words: Vec<&str> = text.split(',').map(str::trim).collect();
+    if words.len() != N {
+        return Err(format!("{} numbers were found; give {N}, separated by commas, as in {example}", words.len()));
+    }
+    let mut numbers = [T::default(); N];
+    for (number, word) in numbers.iter_mut().zip(words) {
+        *number = word.parse().map_err(|_| format!("'{word}' stands where a number is expected, as in {example}"))?;
+    }
+    Ok(numbers)
+}
+
+fn bounds(text: &str) -> Result<[f64; 6], String> {
+    list(text, "-0.05,0.05,-0.05,0.05,0,0.1")
+}
+
+fn counts(text: &str) -> Result<[usize; 3], String> {
+    list(text, "20,20,40")
+}
+
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("give a finite number above 0".into()),
+    }
+}
+
+/// A finite number, 0 or above.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x >= 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("give a finite number, 0 or above".into()),
+    }
+}
+
+/// A number above 0 and up to 1.
+pub(crate) fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && x <= 1.0 => Ok(x),
+        _ => Err("give a number above 0 and at most 1".into()),
+    }
+}
+
+/// Memory that the system can still give, in bytes, where it tells.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
+}
+
+/// Refuses a grid for whose fields the memory does not suffice: systems that promise more than they have end the
+/// program without a word.
+fn check_memory(grid: &Grid, available: Option<u64>) -> anyhow::Result<()> {
+    /// Fields, their copies while they are written, and centre counts.
+    const BYTES_PER_CELL: u64 = 120;
+    let cells = grid.cells().iter().product::<usize>() as u64;
+    let needed = cells.saturating_mul(BYTES_PER_CELL);
+    if let Some(available) = available
+        && needed > available
+    {
+        let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+        bail!(
+            "--cells: the fields of {cells} cells need about {:.1} GB of memory, and {:.1} GB are free; give fewer cells",
+            gigabytes(needed),
+            gigabytes(available)
+        );
+    }
+    Ok(())
 }
 
 /// Where the particles come from.
@@ -57,10 +135,10 @@ pub(crate) struct ParticleArguments {
     #[arg(long, value_name = "FILE")]
     pub particles: PathBuf,
     /// Radius of all particles, in the file's unit of length, instead of the file's own
-    #[arg(long, value_name = "R", conflicts_with = "diameter")]
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true, conflicts_with = "diameter")]
     pub radius: Option<f64>,
-    /// Diameter of all particles, instead of the file's own
-    #[arg(long, value_name = "D")]
+    /// Diameter of all particles, in the file's unit of length, instead of the file's own
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub diameter: Option<f64>,
     /// Frame to take from a file of several, from 0; negative counts from the end
     #[arg(long, value_name = "K", default_value_t = -1, allow_negative_numbers = true)]
@@ -76,13 +154,15 @@ impl ParticleArguments {
         let particles = read_frame(&self.particles, &options, self.frame)?;
         let given = self.radius.or(self.diameter.map(|d| 0.5 * d));
         let particles = match given {
-            Some(radius) => particles.with_uniform_radius(radius).context("--radius or --diameter")?,
+            Some(radius) => {
+                particles.with_uniform_radius(radius).map_err(|e| anyhow!("--radius or --diameter: {e}"))?
+            }
             None => particles,
         };
         if particles.is_empty() {
-            bail!("{}: the frame holds no particle", self.particles.display());
+            bail!("{}: the frame holds no particle; choose another with --frame", self.particles.display());
         }
-        particles.radii().with_context(|| self.particles.display().to_string())?;
+        particles.radii().map_err(|e| anyhow!("{}: {e}", self.particles.display()))?;
         Ok(particles)
     }
 }
@@ -96,7 +176,7 @@ pub(crate) enum Periodic {
     Given([bool; 3]),
 }
 
-impl std::str::FromStr for Periodic {
+impl FromStr for Periodic {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -151,4 +231,17 @@ impl Periodic {
 /// Ending of a path in lower case, without `.gz`.
 pub(crate) fn ending(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_larger_than_the_memory_is_refused_with_both_numbers() {
+        let grid = Grid::new([0.0; 3], [1.0; 3], [1000, 1000, 1000]).unwrap();
+        let message = check_memory(&grid, Some(16_000_000_000)).unwrap_err().to_string();
+        assert!(message.contains("1000000000 cells need about 120.0 GB") && message.contains("16.0 GB are free"));
+        assert!(check_memory(&grid, Some(130_000_000_000)).is_ok() && check_memory(&grid, None).is_ok());
+    }
 }

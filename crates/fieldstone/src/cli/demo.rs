@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use fieldstone::fields::{Method, SolidFractionOptions};
 use fieldstone::io::openfoam::read_poly_mesh;
@@ -38,8 +38,9 @@ const FILES: [(&str, &[u8]); 6] = [
 
 impl Demo {
     pub fn run(self) -> anyhow::Result<()> {
-        std::fs::create_dir_all(&self.folder)
-            .with_context(|| format!("{}: cannot make the folder", self.folder.display()))?;
+        std::fs::create_dir_all(&self.folder).map_err(|e| {
+            anyhow!("{}: cannot make the folder: {e}; give another, as in: fieldstone demo DIR", self.folder.display())
+        })?;
         let mut timing = Timing::default();
         let (particles, mesh) = timing.measure("read", input)?;
         let outcome = fraction::compute(&mesh, &particles, &SolidFractionOptions::default(), &mut timing)?;
@@ -54,16 +55,14 @@ impl Demo {
         text.push_str("\nThe same packing by the approximations in use elsewhere:\n\n");
         text.push_str(&comparison(&mesh, &particles, &outcome.fields.solid_fraction)?);
         let _ = write!(text, "\n{}", timing.table());
-        print!("{text}");
         AtomicFile::write(&self.folder.join("summary.txt"), |out| out.write_all(text.as_bytes()))?;
-        let seconds = ["read", "search", "overlap", "write"].map(|p| (p.to_string(), timing.seconds(p).into()));
-        let json = fraction::summary(&outcome, inverted, serde_json::Map::from_iter(seconds));
-        AtomicFile::write(&self.folder.join("summary.json"), |out| writeln!(out, "{json:#}"))?;
-        println!(
+        fraction::write_summary(&self.folder.join("summary.json"), &outcome, inverted, &timing)?;
+        let _ = writeln!(
+            text,
             "\nresults in {}: open solid_fraction.vtu in ParaView, look at solid_fraction.png",
             self.folder.display()
         );
-        Ok(())
+        report::print(&text)
     }
 }
 

@@ -1,21 +1,26 @@
 //! `fieldstone fraction`: the solid fraction of every cell.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use fieldstone::fields::{Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed};
+use fieldstone::fields::{
+    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed,
+};
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
 use fieldstone::io::{AtomicFile, DataArray, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
 use fieldstone::particles::Particles;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
-use super::arguments::{CellSet, CellsArguments, ParticleArguments, Periodic, ending};
-use super::report;
+use super::arguments::{CellSet, CellsArguments, ParticleArguments, Periodic, ending, fraction, not_negative};
 use super::timing::Timing;
+use super::{outputs, report};
 
 /// Solid fraction of every cell of a mesh or grid, from a packing of spheres
 ///
@@ -43,13 +48,14 @@ pub(crate) struct Fraction {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column
-    #[arg(long, value_name = "COLUMN|W")]
-    parcel_weight: Option<String>,
-    /// Smooth conservatively over this length (standard deviation of the Gaussian); the unsmoothed field is kept
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "COLUMN|W", allow_negative_numbers = true)]
+    parcel_weight: Option<ParcelWeight>,
+    /// Smooth conservatively over this length (standard deviation of the Gaussian, in the input's unit); the unsmoothed
+    /// field is kept
+    #[arg(long, value_name = "LENGTH", value_parser = not_negative, allow_negative_numbers = true)]
     smooth: Option<f64>,
-    /// Report no solid fraction above this; the uncapped field is kept
-    #[arg(long, value_name = "FRACTION")]
+    /// Report no solid fraction above this, e.g. 0.64; the uncapped field is kept
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_negative_numbers = true)]
     cap: Option<f64>,
     /// Periodic directions: auto (those of the file, where the mesh does not reach beyond the box), none, or e.g. xy
     #[arg(long, default_value = "auto", value_name = "AXES")]
@@ -57,7 +63,7 @@ pub(crate) struct Fraction {
     /// Print a table of where the time went
     #[arg(short, long)]
     verbose: bool,
-    /// OpenFOAM output in binary
+    /// Write an OpenFOAM time folder in binary instead of text
     #[arg(long)]
     binary: bool,
 }
@@ -72,7 +78,7 @@ pub(crate) struct Outcome {
 impl Fraction {
     pub fn run(self) -> anyhow::Result<()> {
         let mut timing = Timing::default();
-        let target = Target::new(&self.out, &self.cells)?;
+        let target = self.target()?;
         let particles = timing.measure("read", || self.particles.read())?;
         let cells = timing.measure("read", || self.cells.read())?;
         target.check(&cells)?;
@@ -89,21 +95,36 @@ impl Fraction {
         };
         timing.measure("write", || target.write(&cells, &outcome, self.binary))?;
 
+        if let Some(path) = &self.json {
+            write_summary(path, &outcome, inverted, &timing)?;
+        }
         let ledger = &outcome.fields.ledger;
-        print!("{}", report::ledger(ledger, inverted));
-        println!("written to           {}", self.out.display());
         if ledger.cells_above_one > 0 && self.method.is_exact() {
             report::warn("solid fractions above 1 come from particles that overlap each other");
         }
+        let mut text = report::ledger(ledger, inverted);
+        let _ = writeln!(text, "written to           {}", self.out.display());
         if self.verbose {
-            print!("\n{}", timing.table());
+            let _ = write!(text, "\n{}", timing.table());
+        }
+        report::print(&text)
+    }
+
+    /// Where results go, with everything refused that would fail or do harm later.
+    fn target(&self) -> anyhow::Result<Target<'_>> {
+        let target = Target::new(&self.out, &self.cells)?;
+        let mut inputs: Vec<&Path> = vec![&self.particles.particles];
+        inputs.extend(self.cells.mesh.as_deref());
+        match &target {
+            Target::TimeFolder(path) => outputs::check_folder("--out", path)?,
+            _ if self.binary => bail!("--binary goes with an OpenFOAM time folder as --out, such as CASE/0"),
+            Target::Vtu(path) | Target::Vti(path) | Target::Csv(path) => outputs::check("--out", path, &inputs)?,
         }
         if let Some(path) = &self.json {
-            let seconds = ["read", "search", "overlap", "write"].map(|p| (p.to_string(), timing.seconds(p).into()));
-            let json = summary(&outcome, inverted, serde_json::Map::from_iter(seconds));
-            AtomicFile::write(path, |out| writeln!(out, "{json:#}"))?;
+            inputs.push(&self.out);
+            outputs::check("--json", path, &inputs)?;
         }
-        Ok(())
+        Ok(target)
     }
 
     fn compute<C: Cells>(&self, cells: &C, particles: &Particles, timing: &mut Timing) -> anyhow::Result<Outcome> {
@@ -118,19 +139,57 @@ impl Fraction {
             smoothing_length: self.smooth.unwrap_or(0.0),
             cap: self.cap,
         };
-        compute(cells, particles, &options, timing)
+        compute(cells, particles, &options, timing).map_err(|error| self.placed(error))
+    }
+
+    /// An error with the file that it concerns.
+    fn placed(&self, error: anyhow::Error) -> anyhow::Error {
+        let file = self.particles.particles.display();
+        match error.downcast_ref() {
+            Some(FieldsError::NothingInside { .. }) => anyhow!("{file} in {}: {error}", self.cells.name()),
+            Some(
+                FieldsError::Ball { .. }
+                | FieldsError::RadiusRange { .. }
+                | FieldsError::Particles(_)
+                | FieldsError::ParcelWeight { .. },
+            ) => {
+                anyhow!("{file}: {error}")
+            }
+            _ => error,
+        }
     }
 
     fn parcel_weights(&self, particles: &Particles) -> anyhow::Result<Option<Vec<f64>>> {
-        let Some(text) = &self.parcel_weight else { return Ok(None) };
-        if let Ok(weight) = text.parse() {
-            return Ok(Some(vec![weight; particles.len()]));
-        }
-        let column = particles.quantity(text).context("--parcel-weight")?;
+        let name = match &self.parcel_weight {
+            None => return Ok(None),
+            Some(ParcelWeight::Number(weight)) => return Ok(Some(vec![*weight; particles.len()])),
+            Some(ParcelWeight::Column(name)) => name,
+        };
+        let file = self.particles.particles.display();
+        let column = particles.quantity(name).map_err(|e| anyhow!("--parcel-weight {name}: {file}: {e}"))?;
         if column.components != 1 {
-            bail!("--parcel-weight: column '{text}' has {} numbers per particle; one is needed", column.components);
+            let found = column.components;
+            bail!("--parcel-weight {name}: {file}: the column has {found} numbers per particle; one is needed");
         }
         Ok(Some(column.data.clone()))
+    }
+}
+
+/// How many real particles each one stands for.
+#[derive(Debug, Clone, PartialEq)]
+enum ParcelWeight {
+    Number(f64),
+    Column(String),
+}
+
+impl FromStr for ParcelWeight {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse::<f64>() {
+            Ok(_) => Ok(Self::Number(not_negative(text)?)),
+            Err(_) => Ok(Self::Column(text.into())),
+        }
     }
 }
 
@@ -156,25 +215,52 @@ pub(crate) fn compute<C: Cells>(
     Ok(Outcome { fields: fields?, counts, cell_volumes })
 }
 
-/// The summary with the keys that the manual documents.
-pub(crate) fn summary(
-    outcome: &Outcome,
-    inverted: usize,
-    seconds: serde_json::Map<String, serde_json::Value>,
-) -> serde_json::Value {
+/// The summary, in the order in which it is written.
+#[derive(Serialize)]
+struct Summary {
+    particles: usize,
+    cells: usize,
+    mesh_volume: f64,
+    particle_volume: f64,
+    binned_volume: f64,
+    clipped_volume: f64,
+    max_solid_fraction: f64,
+    cells_above_one: usize,
+    inverted_cells: usize,
+    seconds: Seconds,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    read: f64,
+    search: f64,
+    overlap: f64,
+    write: f64,
+}
+
+/// Writes the summary as JSON.
+pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, timing: &Timing) -> anyhow::Result<()> {
     let ledger = &outcome.fields.ledger;
-    serde_json::json!({
-        "particles": ledger.particles,
-        "cells": ledger.cells,
-        "mesh_volume": ledger.mesh_volume,
-        "particle_volume": ledger.particle_volume,
-        "binned_volume": ledger.binned_volume,
-        "clipped_volume": ledger.clipped_volume,
-        "max_solid_fraction": ledger.max_solid_fraction,
-        "cells_above_one": ledger.cells_above_one,
-        "inverted_cells": inverted,
-        "seconds": seconds,
-    })
+    let summary = Summary {
+        particles: ledger.particles,
+        cells: ledger.cells,
+        mesh_volume: ledger.mesh_volume,
+        particle_volume: ledger.particle_volume,
+        binned_volume: ledger.binned_volume,
+        clipped_volume: ledger.clipped_volume,
+        max_solid_fraction: ledger.max_solid_fraction,
+        cells_above_one: ledger.cells_above_one,
+        inverted_cells: inverted,
+        seconds: Seconds {
+            read: timing.seconds("read"),
+            search: timing.seconds("search"),
+            overlap: timing.seconds("overlap"),
+            write: timing.seconds("write"),
+        },
+    };
+    let text = serde_json::to_string_pretty(&summary)?;
+    AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
+    Ok(())
 }
 
 /// Cell data in the order in which it is written.
@@ -217,12 +303,6 @@ impl<'a> Target<'a> {
                 path.display()
             ),
         };
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        if let Some(folder) = folder
-            && !folder.is_dir()
-        {
-            bail!("--out {}: the folder {} does not exist; make it first", path.display(), folder.display());
-        }
         Ok(target)
     }
 
@@ -286,9 +366,25 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     if let Some(unsmoothed) = &fields.unsmoothed {
         list.push(("alpha.solids.unsmoothed", Dimensions::NONE, unsmoothed.as_slice()));
     }
+    if let Some((name, ..)) = list.iter().find(|(name, ..)| path.join(name).is_dir()) {
+        bail!("{}: there is a folder of this name; remove it first", path.join(name).display());
+    }
+    // All fields are written beside the time folder first, so that it gets all of them or none.
+    let case = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let staging = tempfile::Builder::new().prefix(".fieldstone-").tempdir_in(case);
+    let staging = staging.with_context(|| format!("{}: cannot write", path.display()))?;
+    let staged = staging.path().join(path.file_name().unwrap_or_default());
+    let mut files = Vec::new();
     for (name, dimensions, values) in list {
         let field = VolField { name, dimensions, components: 1, values };
-        write_vol_field(path, &field, mesh.cell_count(), &mesh.parts().patches, encoding)?;
+        let written = write_vol_field(&staged, &field, mesh.cell_count(), &mesh.parts().patches, encoding);
+        files.push((written.with_context(|| format!("{}: cannot write", path.display()))?, path.join(name)));
+    }
+    if !path.is_dir() {
+        std::fs::create_dir(path).with_context(|| format!("{}: cannot make the folder", path.display()))?;
+    }
+    for (from, to) in files {
+        std::fs::rename(from, &to).with_context(|| format!("{}: cannot write", to.display()))?;
     }
     Ok(())
 }

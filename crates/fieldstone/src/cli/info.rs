@@ -1,6 +1,7 @@
 //! `fieldstone info`: what is inside a file.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,7 +10,7 @@ use fieldstone::io::{FileKind, ParticleOptions, file_kind, open_particles, read_
 use fieldstone::mesh::{Cells, Mesh};
 use fieldstone::particles::Particles;
 
-use super::report::number;
+use super::report::{self, number};
 
 /// Tell what is inside a mesh or particle file
 ///
@@ -23,10 +24,11 @@ pub(crate) struct Info {
 
 impl Info {
     pub fn run(self) -> anyhow::Result<()> {
+        let mut lines = Lines(String::new());
         match file_kind(&self.file)? {
             FileKind::Mesh => {
                 let mesh = read_mesh(&self.file)?;
-                print_mesh(&mesh);
+                lines.mesh(&mesh);
             }
             FileKind::Particles => {
                 let options = ParticleOptions { allow_non_spherical: true };
@@ -37,104 +39,109 @@ impl Info {
                     frames += 1;
                     last = Some(frame);
                 }
-                println!("{:<20} {frames}", "frames");
+                lines.add("frames", frames);
                 if let Some(particles) = last {
-                    print_particles(&particles);
+                    lines.particles(&particles);
                 }
             }
         }
-        Ok(())
+        report::print(&lines.0)
     }
-}
-
-fn line(name: &str, value: impl std::fmt::Display) {
-    println!("{name:<20} {value}");
 }
 
 fn vector(v: [f64; 3]) -> String {
     format!("({}, {}, {})", number(v[0]), number(v[1]), number(v[2]))
 }
 
-fn print_mesh(mesh: &Mesh) {
-    let parts = mesh.parts();
-    line("points", parts.points.len());
-    line("faces", format!("{} ({} internal)", parts.owner.len(), parts.neighbour.len()));
-    line("cells", mesh.cell_count());
-    let mut kinds = BTreeMap::<ElementKind, usize>::new();
-    for cell in 0..mesh.cell_count() {
-        *kinds.entry(mesh.cell_kind(cell)).or_default() += 1;
-    }
-    for (kind, count) in kinds {
-        line(&format!("  {kind}"), count);
-    }
-    line("warped faces", mesh.warped_faces());
-    line("concave cells", mesh.concave_cells());
-    line("inverted cells", mesh.inverted_cells().len() + mesh.inverted_elements());
-    let volumes = mesh.cell_volumes();
-    line("mesh volume", number(volumes.iter().sum()));
-    line("smallest cell", number(volumes.iter().copied().fold(f64::INFINITY, f64::min)));
-    line("largest cell", number(volumes.iter().copied().fold(0.0, f64::max)));
-    let (low, high) = mesh.bounds();
-    line("from", vector(low));
-    line("to", vector(high));
-    for patch in &parts.patches {
-        line("patch", format!("{} ({}, {} faces)", patch.name, patch.kind, patch.count));
-    }
-    for zone in &parts.zones {
-        line("zone", format!("{} ({} cells)", zone.name, zone.cells.len()));
-    }
-}
+/// Names and values, one a line.
+struct Lines(String);
 
-fn print_particles(particles: &Particles) {
-    line("particles", format!("{} in the last frame", particles.len()));
-    if let Some(step) = particles.step() {
-        line("step", step);
+impl Lines {
+    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+        let _ = writeln!(self.0, "{name:<20} {value}");
     }
-    if let Some(time) = particles.time() {
-        line("time", number(time));
-    }
-    if let Some(domain) = particles.domain() {
-        let axes: String = (0..3).filter(|&k| domain.periodic()[k]).map(|k| ['x', 'y', 'z'][k]).collect();
-        let periodic = if axes.is_empty() { "not periodic".into() } else { format!("periodic along {axes}") };
-        line("box", format!("{} to {}, {periodic}", vector(domain.low()), vector(domain.high())));
-    }
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in particles.positions() {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        let parts = mesh.parts();
+        self.add("points", parts.points.len());
+        self.add("faces", format!("{} ({} internal)", parts.owner.len(), parts.neighbour.len()));
+        self.add("cells", mesh.cell_count());
+        let mut kinds = BTreeMap::<ElementKind, usize>::new();
+        for cell in 0..mesh.cell_count() {
+            *kinds.entry(mesh.cell_kind(cell)).or_default() += 1;
+        }
+        for (kind, count) in kinds {
+            self.add(&format!("  {kind}"), count);
+        }
+        self.add("warped faces", mesh.warped_faces());
+        self.add("concave cells", mesh.concave_cells());
+        self.add("inverted cells", mesh.inverted_cells().len() + mesh.inverted_elements());
+        let volumes = mesh.cell_volumes();
+        self.add("mesh volume", number(volumes.iter().sum()));
+        self.add("smallest cell", number(volumes.iter().copied().fold(f64::INFINITY, f64::min)));
+        self.add("largest cell", number(volumes.iter().copied().fold(0.0, f64::max)));
+        let (low, high) = mesh.bounds();
+        self.add("from", vector(low));
+        self.add("to", vector(high));
+        for patch in &parts.patches {
+            self.add("patch", format!("{} ({}, {} faces)", patch.name, patch.kind, patch.count));
+        }
+        for zone in &parts.zones {
+            self.add("zone", format!("{} ({} cells)", zone.name, zone.cells.len()));
         }
     }
-    if !particles.is_empty() {
-        line("from", vector(low));
-        line("to", vector(high));
-    }
-    if let Some(types) = particles.types() {
-        let mut counts = BTreeMap::<i64, usize>::new();
-        types.iter().for_each(|&t| *counts.entry(t).or_default() += 1);
-        for (kind, count) in counts {
-            line(&format!("  type {kind}"), count);
+
+    fn particles(&mut self, particles: &Particles) {
+        self.add("particles", format!("{} in the last frame", particles.len()));
+        if let Some(step) = particles.step() {
+            self.add("step", step);
         }
-    }
-    match particles.radii() {
-        Err(_) => line("radius", "none in the file: give --radius or --diameter"),
-        Ok([]) => {}
-        Ok(radii) => {
-            let mut sorted = radii.to_vec();
-            sorted.sort_by(f64::total_cmp);
-            let at = |share: f64| number(sorted[((sorted.len() - 1) as f64 * share).round() as usize]);
-            line("radius", format!("{} smallest, {} largest", at(0.0), at(1.0)));
-            line("  10 % below", at(0.1));
-            line("  50 % below", at(0.5));
-            line("  90 % below", at(0.9));
-            let volume: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
-            line("particle volume", number(volume));
+        if let Some(time) = particles.time() {
+            self.add("time", number(time));
         }
-    }
-    for q in particles.quantities() {
-        let shape = if q.components == 1 { String::new() } else { format!(" ({} numbers)", q.components) };
-        let (min, max) = q.data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-        line("column", format!("{}{shape}, {} to {}", q.name, number(min), number(max)));
+        if let Some(domain) = particles.domain() {
+            let axes: String = (0..3).filter(|&k| domain.periodic()[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+            let periodic = if axes.is_empty() { "not periodic".into() } else { format!("periodic along {axes}") };
+            self.add("box", format!("{} to {}, {periodic}", vector(domain.low()), vector(domain.high())));
+        }
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for p in particles.positions() {
+            for k in 0..3 {
+                low[k] = low[k].min(p[k]);
+                high[k] = high[k].max(p[k]);
+            }
+        }
+        if !particles.is_empty() {
+            self.add("from", vector(low));
+            self.add("to", vector(high));
+        }
+        if let Some(types) = particles.types() {
+            let mut counts = BTreeMap::<i64, usize>::new();
+            types.iter().for_each(|&t| *counts.entry(t).or_default() += 1);
+            for (kind, count) in counts {
+                self.add(&format!("  type {kind}"), count);
+            }
+        }
+        match particles.radii() {
+            Err(_) => self.add("radius", "none in the file: give --radius or --diameter"),
+            Ok([]) => {}
+            Ok(radii) => {
+                let mut sorted = radii.to_vec();
+                sorted.sort_by(f64::total_cmp);
+                let at = |share: f64| number(sorted[((sorted.len() - 1) as f64 * share).round() as usize]);
+                self.add("radius", format!("{} smallest, {} largest", at(0.0), at(1.0)));
+                self.add("  10 % below", at(0.1));
+                self.add("  50 % below", at(0.5));
+                self.add("  90 % below", at(0.9));
+                let volume: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+                self.add("particle volume", number(volume));
+            }
+        }
+        for q in particles.quantities() {
+            let shape = if q.components == 1 { String::new() } else { format!(" ({} numbers)", q.components) };
+            let (min, max) = q.data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+            self.add("column", format!("{}{shape}, {} to {}", q.name, number(min), number(max)));
+        }
     }
 }

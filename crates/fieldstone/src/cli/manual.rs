@@ -1,11 +1,11 @@
 //! Shell completions and man pages, from the same definitions as the help.
 
-use std::io::stdout;
 use std::path::PathBuf;
 
+use anyhow::bail;
 use clap::{Args, CommandFactory};
 
-use super::Cli;
+use super::{Cli, report};
 
 /// Print a completion script for a shell
 ///
@@ -19,8 +19,9 @@ pub(crate) struct Completions {
 
 impl Completions {
     pub fn run(self) -> anyhow::Result<()> {
-        clap_complete::generate(self.shell, &mut Cli::command(), "fieldstone", &mut stdout());
-        Ok(())
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut Cli::command(), "fieldstone", &mut script);
+        report::print(&String::from_utf8(script)?)
     }
 }
 
@@ -33,6 +34,9 @@ pub(crate) struct Manual {
 
 impl Manual {
     pub fn run(self) -> anyhow::Result<()> {
+        if !self.folder.is_dir() {
+            bail!("{}: this folder does not exist; make it first", self.folder.display());
+        }
         clap_mangen::generate_to(Cli::command(), &self.folder)
             .map_err(|e| anyhow::anyhow!("{}: cannot write the man pages: {e}", self.folder.display()))
     }

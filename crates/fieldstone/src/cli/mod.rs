@@ -5,6 +5,7 @@ mod demo;
 mod fraction;
 mod info;
 mod manual;
+mod outputs;
 mod overlap;
 mod picture;
 mod report;
@@ -12,6 +13,7 @@ mod timing;
 
 use std::process::ExitCode;
 
+use anyhow::Context;
 use clap::{Parser, Subcommand};
 
 /// Turns particles into fields, exactly.
@@ -29,9 +31,15 @@ use clap::{Parser, Subcommand};
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Number of threads [default: all cores]; results are the same for any number
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<std::num::NonZeroUsize>,
+    /// Number of threads, 1 to 1024 [default: all cores]; results are the same for any number
+    #[arg(
+        long,
+        global = true,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u16).range(1..=1024)
+    )]
+    threads: Option<u16>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -49,7 +57,7 @@ pub(crate) fn run() -> ExitCode {
     match execute(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", report::chain(&error));
+            report::fail(&error);
             ExitCode::FAILURE
         }
     }
@@ -57,7 +65,7 @@ pub(crate) fn run() -> ExitCode {
 
 fn execute(cli: Cli) -> anyhow::Result<()> {
     if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global()?;
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().context("--threads")?;
     }
     match cli.command {
         Command::Fraction(command) => command.run(),

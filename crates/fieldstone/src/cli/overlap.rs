@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::fields::{Method, Weights};
 use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, error_estimate, overlap};
 use fieldstone::io::{CsvTable, CsvWriter};
 use fieldstone::mesh::{CellList, Mesh};
 use fieldstone::particles::Particles;
+use rayon::prelude::*;
 
-use super::report;
+use super::{outputs, report};
 
 /// Exact overlap of spheres with single elements, row by row of a table
 ///
@@ -80,11 +81,20 @@ impl OverlapCases {
         if self.method == Method::CentreSmoothed {
             bail!("--method centre-smoothed averages over neighbours, and a single element has none");
         }
+        outputs::check("--out", &self.out, &[&self.cases])?;
         let table = CsvTable::read(&self.cases)?;
+        let corner_count = kind.corner_count().unwrap_or(0);
+        if table.has(&format!("x{corner_count}")) {
+            bail!(
+                "{}: there is a column 'x{corner_count}', but a {kind} has only the corners 0 to {}; choose another --element",
+                self.cases.display(),
+                corner_count - 1
+            );
+        }
         let column = |name: &str| table.column(name);
         let centre = [column("cx")?, column("cy")?, column("cz")?];
         let radius = column("r")?;
-        let corners: Vec<[Vec<f64>; 3]> = (0..kind.corner_count().unwrap_or(0))
+        let corners: Vec<[Vec<f64>; 3]> = (0..corner_count)
             .map(|k| Ok([column(&format!("x{k}"))?, column(&format!("y{k}"))?, column(&format!("z{k}"))?]))
             .collect::<anyhow::Result<_>>()?;
 
@@ -95,30 +105,41 @@ impl OverlapCases {
             names.extend(["gradient_x", "gradient_y", "gradient_z"].map(String::from));
         }
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let mut writer = CsvWriter::extending(&self.out, &table, &names)?;
-        let mut doubtful = 0;
-        for row in 0..table.len() {
+        if let Some(name) = names.iter().find(|name| table.has(name)) {
+            bail!(
+                "{}: there is a column '{name}' already, and one of that name is to be added; rename or remove it",
+                self.cases.display()
+            );
+        }
+        let case = |row: usize| -> anyhow::Result<(Vec<f64>, bool)> {
             let place = || format!("{}:{}", self.cases.display(), table.line(row));
             let at = |columns: &[Vec<f64>; 3]| [columns[0][row], columns[1][row], columns[2][row]];
-            let ball = Ball::new(at(&centre), radius[row]).with_context(place)?;
+            let ball = Ball::new(at(&centre), radius[row]).map_err(|e| anyhow!("{}: {e}", place()))?;
             let points: Vec<[f64; 3]> = corners.iter().map(at).collect();
-            let element = Polyhedron::element(kind, order, &points, orientation).with_context(place)?;
-            let numbers = if self.method == Method::Kernel {
-                let smaller = ball.volume().min(element.volume());
-                doubtful += usize::from(error_estimate(&ball, &element) > 1e-9 * smaller);
-                let result = overlap(&ball, &element);
-                let mut numbers = vec![result.volume, result.sphere_area];
-                numbers.extend(result.face_areas);
-                numbers.extend(result.gradient);
-                numbers
-            } else {
-                vec![self.by_other_method(kind, order, points, &ball).with_context(place)?]
-            };
-            writer.row_extending(table.row(row), &numbers)?;
+            let element = Polyhedron::element(kind, order, &points, orientation)
+                .map_err(|e| anyhow!("{}: {e}\n  check the coordinates, --element and --order", place()))?;
+            if self.method != Method::Kernel {
+                let volume = self.by_other_method(kind, order, points, &ball).with_context(place)?;
+                return Ok((vec![volume], false));
+            }
+            let smaller = ball.volume().min(element.volume());
+            let doubtful = error_estimate(&ball, &element) > 1e-9 * smaller;
+            let result = overlap(&ball, &element);
+            let mut numbers = vec![result.volume, result.sphere_area];
+            numbers.extend(result.face_areas);
+            numbers.extend(result.gradient);
+            Ok((numbers, doubtful))
+        };
+        // All rows before the file is begun: where one fails, or the run is broken off, nothing is left behind.
+        let results: Vec<anyhow::Result<(Vec<f64>, bool)>> = (0..table.len()).into_par_iter().map(case).collect();
+        // The first row that failed, whatever the number of threads.
+        let results: Vec<(Vec<f64>, bool)> = results.into_iter().collect::<anyhow::Result<_>>()?;
+        let mut writer = CsvWriter::extending(&self.out, &table, &names)?;
+        for (row, (numbers, _)) in results.iter().enumerate() {
+            writer.row_extending(table.row(row), numbers)?;
         }
         writer.finish()?;
-        println!("cases                {}", table.len());
-        println!("written to           {}", self.out.display());
+        let doubtful = results.iter().filter(|r| r.1).count();
         if doubtful > 0 {
             report::warn(&format!(
                 "in {doubtful} of {} cases the error may exceed 1e-9 of the smaller volume: flat elements, or balls \
@@ -126,7 +147,7 @@ impl OverlapCases {
                 table.len()
             ));
         }
-        Ok(())
+        report::print(&format!("cases                {}\nwritten to           {}\n", table.len(), self.out.display()))
     }
 
     /// The element as a mesh of one cell, so that every method of `fraction` serves here too.

@@ -1,11 +1,30 @@
 //! What is printed: errors, ledgers, warnings.
 
 use std::fmt::Write;
+use std::io::{ErrorKind, Write as _, stderr, stdout};
 
+use anyhow::Context;
 use fieldstone::fields::Ledger;
 
+/// Writes to standard output; the macros of the standard library would panic where that is closed or full.
+///
+/// A reader that has seen enough and gone (`head`) is no failure.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result.context("standard output: cannot write"),
+    }
+}
+
+/// Reports a failure on standard error.
+pub(crate) fn fail(error: &anyhow::Error) {
+    // Where standard error is closed there is nobody left to tell; the exit code still does.
+    let _ = writeln!(stderr(), "error: {}", chain(error));
+}
+
 /// An error with its causes, each once.
-pub(crate) fn chain(error: &anyhow::Error) -> String {
+fn chain(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();
@@ -19,7 +38,7 @@ pub(crate) fn chain(error: &anyhow::Error) -> String {
 
 /// Prints a warning on standard error.
 pub(crate) fn warn(message: &str) {
-    eprintln!("warning: {message}");
+    let _ = writeln!(stderr(), "warning: {message}");
 }
 
 /// The ledger as the lines that every run prints.

@@ -1,0 +1,50 @@
+//! Where results may go, looked at before any work is done.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+
+/// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the inputs.
+pub(crate) fn check(option: &str, path: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
+    let shown = path.display();
+    check_folder(option, path)?;
+    if path.is_dir() {
+        bail!("{option} {shown}: this is a folder; give the name of a file");
+    }
+    if let Some(input) = inputs.iter().find(|input| is_same(path, input)) {
+        bail!("{option} {shown}: this would overwrite {}, which is read; choose another name", input.display());
+    }
+    Ok(())
+}
+
+/// Checks that the folder around `path` exists and can be written to.
+pub(crate) fn check_folder(option: &str, path: &Path) -> anyhow::Result<()> {
+    let shown = path.display();
+    let folder = parent(path);
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => {}
+        Ok(_) => bail!("{option} {shown}: {} is a file, not a folder; choose another place", folder.display()),
+        Err(_) => bail!("{option} {shown}: the folder {} does not exist; make it first", folder.display()),
+    }
+    // Devices and pipes are written to directly and need no place beside them.
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Ok(());
+    }
+    if let Err(error) = tempfile::tempfile_in(folder) {
+        bail!("{option} {shown}: cannot write into the folder {}: {error}; choose another place", folder.display());
+    }
+    Ok(())
+}
+
+/// Whether two names lead to one file, or would if it existed.
+pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| -> Option<PathBuf> {
+        path.canonicalize().ok().or_else(|| Some(parent(path).canonicalize().ok()?.join(path.file_name()?)))
+    };
+    let (a, b) = (resolved(a), resolved(b));
+    a.is_some() && a == b
+}
+
+fn parent(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
