@@ -248,6 +248,12 @@ impl Mesh {
                 true
             } else if self.is_convex(at) {
                 false
+            } else if !touched {
+                let turns: i32 = self
+                    .signed_faces(at)
+                    .map(|(face, sign)| (outward * sign) as i32 * self.surface.crossings(face, centre))
+                    .sum();
+                turns > 0
             } else {
                 (volume3, solid_angle) = (0.0, 0.0);
                 for (face, sign) in self.signed_faces(at) {

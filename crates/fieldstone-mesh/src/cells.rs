@@ -22,6 +22,12 @@ pub trait Cells: Sync {
     /// Working memory of one thread.
     type Scratch: Send;
 
+    /// Whether finding the cells around a place reads memory that belongs to that place.
+    ///
+    /// If so, balls that follow each other should be neighbours, or each waits for memory. `false` for cells that are
+    /// found by arithmetic.
+    const PLACES_IN_MEMORY: bool = true;
+
     /// Working memory for this set of cells. Volumes computed with it keep [`fieldstone_geometry::PROMISE`].
     fn scratch(&self) -> Self::Scratch;
 

@@ -138,6 +138,8 @@ impl Grid {
 impl Cells for Grid {
     type Scratch = GridScratch;
 
+    const PLACES_IN_MEMORY: bool = false;
+
     fn scratch(&self) -> GridScratch {
         GridScratch::default()
     }

@@ -202,6 +202,43 @@ impl Surface {
         });
         (centre - centre.clamp(low, high)).length_squared() >= radius * radius
     }
+
+    /// How often the ray from `point` along +x leaves the owner through `face`, minus how often it enters.
+    ///
+    /// Summed over a closed cell, the number of times that it winds around the point: exact, because the two pieces
+    /// that share an edge see the very same rounded crossing. The point must not be on the face.
+    pub fn crossings(&self, face: usize, point: DVec3) -> i32 {
+        let mut sum = 0;
+        for piece in self.pieces(face) {
+            let ring = self.ring(piece);
+            let at = |k: u32| self.vertices[k as usize] - point;
+            let mut winding = 0;
+            let (mut any_ahead, mut any_behind) = (false, false);
+            let mut a = at(ring[ring.len() - 1]);
+            for &k in ring {
+                let b = at(k);
+                if b.x > 0.0 {
+                    any_ahead = true;
+                } else {
+                    any_behind = true;
+                }
+                if (a.y > 0.0) != (b.y > 0.0) {
+                    let (low, high, way) = if a.y > 0.0 { (b, a, 1) } else { (a, b, -1) };
+                    if low.z - low.y * ((high.z - low.z) / (high.y - low.y)) > 0.0 {
+                        winding += way;
+                    }
+                }
+                a = b;
+            }
+            if winding != 0 {
+                let (corner, normal) = self.planes[piece];
+                let ahead =
+                    if any_ahead && any_behind { normal.dot(corner - point) * normal.x > 0.0 } else { any_ahead };
+                sum += if ahead { winding } else { 0 };
+            }
+        }
+        sum
+    }
 }
 
 /// Largest distance of a corner from the first.
