@@ -37,11 +37,14 @@ pub struct FaceTerms<R> {
 /// | $R_a, R_b$ | their distances from the centre |
 ///
 /// Each term is continuous in the input, so nothing has to be classified consistently between faces, edges
-/// and corners: a rounding error stays a rounding error. Two angles do jump, always together: where a face is
-/// not cut ($|d| \ge 1$) its $\Delta\varphi$ and $\Delta G$ are taken from one complex quotient.
+/// and corners: a rounding error stays a rounding error.
+///
+/// Where no edge enters the ball the disc is in the polygon or not at all, and the solid angle is the whole
+/// polygon's ([`polygon_solid_angle`]) less the disc's, $2\pi(1 - |d|)$.
 ///
 /// Preconditions: at least three corners, in one plane, counter-clockwise around `normal`; an edge of length
-/// zero is passed over. Cost: two `atan2` per edge piece outside the ball.
+/// zero is passed over. Cost: two `atan2` per edge piece outside the ball where an edge enters it, else one per
+/// triangle of a fan.
 ///
 /// ```
 /// use fieldstone_geometry::{Vector, face_terms};
@@ -54,55 +57,70 @@ pub struct FaceTerms<R> {
 pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerms<R> {
     let zero = R::from_f64(0.0);
     let one = R::from_f64(1.0);
-    let half = R::from_f64(0.5);
-    let distance = normal.dot(corners[0]);
-    if distance.abs() >= one {
-        return FaceTerms { distance, area: zero, solid_angle: uncut_solid_angle(normal, distance, corners) };
+    let d = normal.dot(corners[0]);
+    let mut doubt = Doubt::default();
+    doubt.about_cut(d);
+    if d.abs() >= one {
+        let solid_angle = polygon_solid_angle(normal, corners);
+        return doubt.applied_to(FaceTerms { distance: d, area: zero, solid_angle });
+    }
+    let s2 = (one - d) * (one + d);
+    let edge = |k: usize| Edge::new(normal, corners[k], corners[if k + 1 == corners.len() { 0 } else { k + 1 }]);
+    let mut stack = [const { None }; ON_STACK];
+    let heap: Vec<Option<Edge<R>>>;
+    let edges: &[Option<Edge<R>>] = if corners.len() <= ON_STACK {
+        stack.iter_mut().take(corners.len()).enumerate().for_each(|(k, slot)| *slot = edge(k));
+        &stack[..corners.len()]
+    } else {
+        heap = (0..corners.len()).map(edge).collect();
+        &heap
+    };
+    for edge in edges.iter().flatten() {
+        doubt.about_edge(edge, s2);
+    }
+    let terms = if edges.iter().flatten().any(|edge| edge.enters(s2)) {
+        partly_inside(d, s2, edges, &mut doubt)
+    } else {
+        no_edge_inside(d, s2, normal, corners, edges, &mut doubt)
+    };
+    doubt.applied_to(terms)
+}
+
+/// Edges of a polygon that are kept without an allocation.
+const ON_STACK: usize = 8;
+
+/// A directed edge as P sees it.
+#[derive(Clone, Copy)]
+struct Edge<R> {
+    /// Signed distance of P from the line.
+    h: R,
+    /// Ends, measured along the line from the foot of P.
+    a: R,
+    b: R,
+}
+
+impl<R: Real> Edge<R> {
+    #[inline]
+    fn new(normal: Vector<R>, from: Vector<R>, to: Vector<R>) -> Option<Self> {
+        let along = to - from;
+        let length = along.length();
+        if length <= R::from_f64(0.0) {
+            return None;
+        }
+        let e = along * (R::from_f64(1.0) / length);
+        Some(Self { h: from.dot(e.cross(normal)), a: from.dot(e), b: to.dot(e) })
     }
 
-    let d = distance;
-    let s2 = (one - d) * (one + d);
-    // Sums over the edges; the angle around P is kept apart from the rest of the area.
-    let mut triangles = zero;
-    let mut turn = zero;
-    let mut angle = zero;
-    let mut any_inside = false;
-    for_each_edge(normal, d, corners, |edge| {
-        let half_chord2 = s2 - edge.h * edge.h;
-        if half_chord2 <= zero {
-            let (phi, g) = outside_piece(d, edge.h, edge.start, edge.end);
-            turn = turn + phi;
-            angle = angle + g;
-            return;
+    /// Whether a part of the edge lies in the disc of squared radius `s2` around P.
+    #[inline]
+    fn enters(&self, s2: R) -> bool {
+        let half_chord2 = s2 - self.h * self.h;
+        if half_chord2 <= R::from_f64(0.0) {
+            return false;
         }
         let t = half_chord2.sqrt();
-        let (a, b) = (edge.start.t, edge.end.t);
-        if a < -t {
-            let end = if b < -t { edge.end } else { EdgePoint { t: -t, r: one } };
-            let (phi, g) = outside_piece(d, edge.h, edge.start, end);
-            turn = turn + phi;
-            angle = angle + g;
-        }
-        if b > t {
-            let start = if a > t { edge.start } else { EdgePoint { t, r: one } };
-            let (phi, g) = outside_piece(d, edge.h, start, edge.end);
-            turn = turn + phi;
-            angle = angle + g;
-        }
-        let (low, high) = (a.max(-t), b.min(t));
-        if low < high {
-            any_inside = true;
-            triangles = triangles + edge.h * (high - low);
-        }
-    });
-
-    if any_inside {
-        return FaceTerms { distance, area: half * (triangles + s2 * turn), solid_angle: d * turn - angle };
+        self.a < t && self.b > -t
     }
-    // No edge enters the ball: the turn is a whole number of times 2π, and the disc is in the face or not at all.
-    let two_pi = R::from_f64(2.0) * R::pi();
-    let turns = R::from_f64((turn / two_pi).to_f64().round());
-    FaceTerms { distance, area: R::pi() * s2 * turns, solid_angle: d * two_pi * turns - angle }
 }
 
 /// A point of an edge: `t` along it from the foot of P, and `r` from the centre.
@@ -112,77 +130,213 @@ struct EdgePoint<R> {
     r: R,
 }
 
-/// A directed edge as P sees it.
-struct Edge<R> {
-    h: R,
-    start: EdgePoint<R>,
-    end: EdgePoint<R>,
-}
-
-#[inline]
-fn for_each_edge<R: Real>(normal: Vector<R>, d: R, corners: &[Vector<R>], mut visit: impl FnMut(Edge<R>)) {
+fn partly_inside<R: Real>(d: R, s2: R, edges: &[Option<Edge<R>>], doubt: &mut Doubt) -> FaceTerms<R> {
     let zero = R::from_f64(0.0);
-    let Some(&last) = corners.last() else { return };
-    let mut a = last;
-    let d2 = d * d;
-    for &b in corners {
-        let along = b - a;
-        let length = along.length();
-        if length > zero {
-            let e = along * (R::from_f64(1.0) / length);
-            let h = a.dot(e.cross(normal));
-            let (ta, tb) = (a.dot(e), b.dot(e));
-            let beyond = d2 + h * h;
-            let point = |t: R| EdgePoint { t, r: (beyond + t * t).sqrt() };
-            visit(Edge { h, start: point(ta), end: point(tb) });
+    let one = R::from_f64(1.0);
+    // Sums over the edges; the angle around P is kept apart from the rest of the area.
+    let (mut triangles, mut turn, mut angle) = (zero, zero, zero);
+    for edge in edges.iter().flatten() {
+        let h2 = edge.h * edge.h;
+        let beyond = d * d + h2;
+        let point = |t: R| EdgePoint { t, r: (beyond + t * t).sqrt() };
+        let half_chord2 = s2 - h2;
+        let mut outside = |from: EdgePoint<R>, to: EdgePoint<R>| {
+            let (phi, g) = outside_piece(d, edge.h, beyond, from, to);
+            turn = turn + phi;
+            angle = angle + g;
+        };
+        if half_chord2 <= zero {
+            outside(point(edge.a), point(edge.b));
+            continue;
         }
-        a = b;
+        let t = half_chord2.sqrt();
+        doubt.about_order(edge.a, t);
+        doubt.about_order(edge.b, t);
+        if edge.a < -t {
+            outside(point(edge.a), if edge.b < -t { point(edge.b) } else { EdgePoint { t: -t, r: one } });
+        }
+        if edge.b > t {
+            outside(if edge.a > t { point(edge.a) } else { EdgePoint { t, r: one } }, point(edge.b));
+        }
+        let (low, high) = (edge.a.max(-t), edge.b.min(t));
+        if low < high {
+            triangles = triangles + edge.h * (high - low);
+        }
     }
+    let area = R::from_f64(0.5) * (triangles + s2 * turn);
+    FaceTerms { distance: d, area, solid_angle: d * turn - angle }
 }
 
-/// Numerator factor b R_a − a R_b of ΔG, without cancellation where both ends lie on one side of the foot.
-#[inline]
-fn leverage<R: Real>(beyond: R, a: EdgePoint<R>, b: EdgePoint<R>) -> R {
-    let difference = b.t * a.r - a.t * b.r;
-    if a.t * b.t > R::from_f64(0.0) {
-        beyond * ((b.t - a.t) * (b.t + a.t)) / (b.t * a.r + a.t * b.r)
+fn no_edge_inside<R: Real>(
+    d: R,
+    s2: R,
+    normal: Vector<R>,
+    corners: &[Vector<R>],
+    edges: &[Option<Edge<R>>],
+    doubt: &mut Doubt,
+) -> FaceTerms<R> {
+    let zero = R::from_f64(0.0);
+    let left = edges.iter().flatten().filter(|edge| edge.h > zero).count();
+    let turns = if left == edges.iter().flatten().count() && corners.len() <= 4 {
+        // To the left of three or four edges: inside, whether the polygon is convex or not.
+        1.0
+    } else if left == 0 {
+        0.0
     } else {
-        difference
-    }
+        // The angles under which P sees the edges add up to a whole number of turns.
+        let turn = edges
+            .iter()
+            .flatten()
+            .fold(zero, |turn, edge| turn + (edge.h * (edge.b - edge.a)).atan2(edge.h * edge.h + edge.a * edge.b));
+        let turns = turn.to_f64() / (2.0 * std::f64::consts::PI);
+        doubt.about_turns(turns, turn, s2);
+        turns.round()
+    };
+    let disc = R::from_f64(2.0 * turns) * R::pi();
+    let solid_angle = if d.to_f64().abs() < NEARLY_EDGE_ON {
+        // Triangles of a fan may have P on a side in common, where each one's solid angle is anything up to a half
+        // turn; every edge of the polygon, though, is at least s away from P.
+        let angle = edges.iter().flatten().fold(zero, |angle, edge| {
+            let beyond = d * d + edge.h * edge.h;
+            let point = |t: R| EdgePoint { t, r: (beyond + t * t).sqrt() };
+            angle + outside_piece(d, edge.h, beyond, point(edge.a), point(edge.b)).1
+        });
+        d * disc - angle
+    } else {
+        let sign = R::from_f64(if d < zero { -1.0 } else { 1.0 });
+        polygon_solid_angle(normal, corners) - (sign - d) * disc
+    };
+    FaceTerms { distance: d, area: R::from_f64(turns) * R::pi() * s2, solid_angle }
 }
 
-/// (Δφ, ΔG) of the piece of an edge from `a` to `b`, both outside the ball or on it.
+/// Distance of a plane below which its polygon is seen so flat that the foot of the centre may lie on the diagonals
+/// of a fan.
+const NEARLY_EDGE_ON: f64 = 0.5;
+
+/// (Δφ, ΔG) of the piece of an edge between two points outside the ball or on it.
 #[inline]
-fn outside_piece<R: Real>(d: R, h: R, a: EdgePoint<R>, b: EdgePoint<R>) -> (R, R) {
+fn outside_piece<R: Real>(d: R, h: R, beyond: R, a: EdgePoint<R>, b: EdgePoint<R>) -> (R, R) {
     let h2 = h * h;
-    let d2 = d * d;
     let product = a.t * b.t;
     let phi = (h * (b.t - a.t)).atan2(h2 + product);
-    let g = (h * d * leverage(d2 + h2, a, b)).atan2(h2 * (a.r * b.r) + d2 * product);
-    (phi, g)
+    // The difference b R_a − a R_b cancels where both ends lie on one side of the foot.
+    let lever = if product > R::from_f64(0.0) {
+        beyond * ((b.t - a.t) * (b.t + a.t)) / (b.t * a.r + a.t * b.r)
+    } else {
+        b.t * a.r - a.t * b.r
+    };
+    let g = (h * d * lever).atan2(h2 * (a.r * b.r) + d * d * product);
+    // Outside the ball 1/R ≤ 1, so |ΔG| ≤ |d Δφ|: all that is known where h and d are both near zero.
+    (phi, if R::TRACKED { g.confined(d * phi) } else { g })
 }
 
 /// Solid angle under which the origin sees a planar polygon, positive where it looks at the polygon's back.
 ///
-/// Around a point inside a closed polyhedron the faces add up to 4π, around one outside to 0, and around one on
-/// a face to 2π: a face seen edge-on counts 0. Source: the uncut case of [`face_terms`].
+/// $$ \tan\frac{\Omega}{2} = \frac{2 d A}{R_1R_2R_3 + (v_1 \cdot v_2) R_3 + (v_2 \cdot v_3) R_1 + (v_3 \cdot v_1) R_2} $$
+///
+/// for each triangle of a fan, with signed area A. Around a point inside a closed polyhedron the faces add up to
+/// 4π, around one outside to 0. The numerator is
+/// the triple product of the corners without its cancellation for far or small triangles.
+///
+/// Source: `vanoosterom1983`, Eq. 8.
 pub fn polygon_solid_angle<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> R {
-    let distance = normal.dot(corners[0]);
-    if distance == R::from_f64(0.0) { distance } else { uncut_solid_angle(normal, distance, corners) }
+    let zero = R::from_f64(0.0);
+    let apex = corners[0];
+    let d = normal.dot(apex);
+    let mut sum = zero;
+    let apex_r = apex.length();
+    let mut b = corners[1];
+    let mut b_r = b.length();
+    for &c in &corners[2..] {
+        let c_r = c.length();
+        let twice_area = (b - apex).cross(c - apex).dot(normal);
+        let denominator = apex_r * b_r * c_r + apex.dot(b) * c_r + b.dot(c) * apex_r + c.dot(apex) * b_r;
+        sum = sum + (d * twice_area).atan2(denominator);
+        (b, b_r) = (c, c_r);
+    }
+    R::from_f64(2.0) * sum
 }
 
-/// Solid angle of a polygon whose plane misses the ball, with the sign of `d`.
-fn uncut_solid_angle<R: Real>(normal: Vector<R>, d: R, corners: &[Vector<R>]) -> R {
-    let zero = R::from_f64(0.0);
-    let distance = d.abs();
-    let mut sum = zero;
-    for_each_edge(normal, d, corners, |Edge { h, start: a, end: b }| {
-        let h2 = h * h;
-        let d2 = d * d;
-        let product = a.t * b.t;
-        let (zx, zy) = (h2 + product, h * (b.t - a.t));
-        let (wx, wy) = (h2 * (a.r * b.r) + d2 * product, h * distance * leverage(d2 + h2, a, b));
-        sum = sum + (zy * wx - zx * wy).atan2(zx * wx + zy * wy);
-    });
-    if d < zero { -sum } else { sum }
+/// What the branches not taken would have given, where rounding leaves open which one is right.
+///
+/// Only numbers that know their error ([`Real::TRACKED`]) ask; for others all of this compiles to nothing. With δ the
+/// distance from the decision plus the error of the number decided on, the two branches differ by
+///
+/// | decision | δ from | area | solid angle |
+/// |---|---|---|---|
+/// | the plane cuts the ball | abs(d) − 1 | disc: π s² ≤ 2πδ (1 + δ/2) | its cap: 2πδ |
+/// | the edge's line enters the disc | t² = s² − h² | ≤ π t² | ≤ π t², as 1/R − 1 ≤ t² within the chord |
+/// | P lies left or right of an edge outside | h | π h², since s² ≤ h² | 2π (1 − abs(d)) ≤ 2π h² |
+/// | an end of the edge is inside | t ∓ a | ≤ δ | ≤ π δ |
+/// | the disc is inside the face | turns | π s² | 2π s² |
+///
+/// and about twice that is added.
+#[derive(Default)]
+struct Doubt {
+    area: f64,
+    solid_angle: f64,
+}
+
+impl Doubt {
+    #[inline(always)]
+    fn add(&mut self, area: f64) {
+        self.area += area;
+        self.solid_angle += 2.0 * area;
+    }
+
+    #[inline(always)]
+    fn about_cut<R: Real>(&mut self, d: R) {
+        if R::TRACKED {
+            let gap = (d.abs() - R::from_f64(1.0)).to_f64().abs();
+            if gap <= d.error() {
+                self.add(16.0 * (gap + d.error()));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_edge<R: Real>(&mut self, edge: &Edge<R>, s2: R) {
+        if R::TRACKED {
+            let half_chord2 = s2 - edge.h * edge.h;
+            let (gap, error) = (half_chord2.to_f64().abs(), half_chord2.error());
+            if gap <= error {
+                self.add(8.0 * (gap + error));
+            }
+            // On which side P lies decides only where the line misses the disc, and then s² ≤ h².
+            let (size, error) = (edge.h.to_f64().abs(), edge.h.error());
+            if size <= error {
+                self.add(8.0 * (size + error) * (size + error));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_order<R: Real>(&mut self, a: R, t: R) {
+        if R::TRACKED {
+            let error = a.error() + t.error();
+            let gap = (a.abs() - t).to_f64().abs();
+            if gap <= error {
+                self.add(4.0 * (gap + error));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn about_turns<R: Real>(&mut self, turns: f64, turn: R, s2: R) {
+        if R::TRACKED && (turns - turns.round()).abs() + turn.error() > 0.25 {
+            self.add(8.0 * (s2.to_f64().abs() + s2.error()));
+        }
+    }
+
+    #[inline(always)]
+    fn applied_to<R: Real>(self, terms: FaceTerms<R>) -> FaceTerms<R> {
+        if !R::TRACKED {
+            return terms;
+        }
+        FaceTerms {
+            area: terms.area.with_error(self.area),
+            solid_angle: terms.solid_angle.with_error(self.solid_angle),
+            ..terms
+        }
+    }
 }

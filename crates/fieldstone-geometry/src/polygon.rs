@@ -2,6 +2,10 @@
 
 use glam::DVec3;
 
+use crate::double_double::DoubleDouble;
+use crate::precision::Wide;
+use crate::{Real, Vector};
+
 /// Area vector of a closed polygon: half the sum of the cross products of its corners about their mean.
 ///
 /// Its length is the area where the polygon is planar; its direction is the mean normal, counter-clockwise.
@@ -52,6 +56,48 @@ pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
     corners.iter().map(|&p| normal.dot(DVec3::from(p) - centroid).abs()).fold(0.0, f64::max)
 }
 
+/// How a planar polygon magnifies rounding: the square of its extent from the first corner over twice its area, at least 1.
+///
+/// The unit normal of a polygon with this flatness, computed from rounded corners, is off by about flatness × ε.
+pub fn flatness(corners: &[[f64; 3]]) -> f64 {
+    let twice_area = 2.0 * DVec3::from(polygon_area_vector(corners)).length();
+    // Finite, so that a face of which nothing is inside adds nothing to a bound, however flat it is.
+    (extent(corners).powi(2) / twice_area).clamp(1.0, 1e18)
+}
+
+/// Upper bound of the distance of the corners from a common plane: 0 exactly where they lie in one, else
+/// [`polygon_warp`] and what rounding may have hidden.
+pub fn warp_bound(corners: &[[f64; 3]]) -> f64 {
+    if is_exactly_planar(corners) { 0.0 } else { polygon_warp(corners) + 8.0 * f64::EPSILON * extent(corners) }
+}
+
+/// Whether the corners lie in one plane, decided without rounding for coordinates of like magnitude.
+pub fn is_exactly_planar(corners: &[[f64; 3]]) -> bool {
+    let [first, _, _, ..] = corners else { return true };
+    if corners.len() == 3 || (0..3).any(|k| corners.iter().all(|p| p[k] == first[k])) {
+        return true;
+    }
+    // Double-double tells most polygons that are off by a rounding; only what it finds at zero needs every bit.
+    let (largest, size) = off_plane::<DoubleDouble>(corners);
+    largest <= 1e-28 * size && off_plane::<Wide>(corners).0 == 0.0
+}
+
+/// Largest of the corners' heights over the mean plane, times twice the area; and the size of its terms.
+fn off_plane<R: Real>(corners: &[[f64; 3]]) -> (f64, f64) {
+    let first = Vector::<R>::from_f64(corners[0]);
+    let at: Vec<Vector<R>> = corners.iter().map(|&p| Vector::from_f64(p) - first).collect();
+    let zero = R::from_f64(0.0);
+    let normal = at[1..].windows(2).fold(Vector::new(zero, zero, zero), |n, p| n + p[0].cross(p[1]));
+    let largest = at.iter().map(|&v| normal.dot(v).to_f64().abs()).fold(0.0, f64::max);
+    (largest, extent(corners) * normal.length().to_f64().max(extent(corners).powi(2)))
+}
+
+/// Largest distance of a corner from the first.
+fn extent(corners: &[[f64; 3]]) -> f64 {
+    let Some(&first) = corners.first() else { return 0.0 };
+    corners.iter().map(|&p| (DVec3::from(p) - DVec3::from(first)).length()).fold(0.0, f64::max)
+}
+
 fn mean(corners: &[[f64; 3]]) -> DVec3 {
     // Relative to the first corner: far from the origin the plain sum would lose digits.
     let Some(&first) = corners.first() else { return DVec3::ZERO };
@@ -84,6 +130,20 @@ mod tests {
         assert_eq!(polygon_warp(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]), 0.0);
         let w = polygon_warp(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.1], [0.0, 1.0, 0.0]]);
         assert!(w > 0.02 && w < 0.05, "{w}");
+    }
+
+    #[test]
+    fn planarity_is_decided_to_the_last_bit() {
+        // In the plane x + y + z = 1, exactly; then with one coordinate moved by its last bit.
+        let mut quad = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.75, 0.75], [0.25, 0.25, 0.5]];
+        assert!(is_exactly_planar(&quad));
+        assert_eq!(warp_bound(&quad), 0.0);
+        quad[3][2] = 0.5_f64.next_up();
+        assert!(!is_exactly_planar(&quad));
+        assert!(warp_bound(&quad) > 0.0);
+        // In the plane 3x = y with coordinates of 53 bits and an offset: products need more than 106 bits.
+        let x = 1.0 + f64::EPSILON;
+        assert!(is_exactly_planar(&[[0.0, 0.0, 0.1], [0.25, 0.75, 0.3], [0.5, 1.5, x], [0.125, 0.375, -x]]));
     }
 
     #[test]

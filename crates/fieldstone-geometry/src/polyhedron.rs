@@ -3,8 +3,9 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::polygon::{polygon_area_vector, polygon_centroid, polygon_warp};
-use crate::{CornerOrder, ElementKind};
+use crate::double_double::DoubleDouble;
+use crate::polygon::{flatness, polygon_centroid, polygon_warp, warp_bound};
+use crate::{CornerOrder, ElementKind, Vector};
 
 /// Largest warp of a face, over the size of the element, that still counts as planar.
 ///
@@ -104,6 +105,12 @@ pub(crate) struct Piece {
     pub face: u32,
     /// End of its corners in `Polyhedron::piece_corners`.
     pub end: u32,
+    /// How its normal magnifies rounding, see [`flatness`].
+    pub flatness: f64,
+    /// Largest distance of a corner from the plane, rounding included; 0 where the corners lie in one plane exactly.
+    pub warp: f64,
+    /// Centroid, around which the piece is fanned in more digits than `f64` where it is not exactly planar.
+    pub apex: DVec3,
 }
 
 /// A closed polyhedron with everything precomputed that does not depend on the ball.
@@ -128,7 +135,6 @@ pub struct Polyhedron {
     pub(crate) piece_corners: Vec<u32>,
     face_areas: Vec<f64>,
     volume: f64,
-    volume_error: f64,
     low: DVec3,
     high: DVec3,
     convex: bool,
@@ -248,7 +254,6 @@ impl Polyhedron {
             piece_corners: Vec::new(),
             face_areas: vec![0.0; faces.len()],
             volume: 0.0,
-            volume_error: 0.0,
             low,
             high,
             convex: true,
@@ -257,8 +262,7 @@ impl Polyhedron {
         for (face, ring) in faces.iter().enumerate() {
             this.push_face(face, ring, size);
         }
-        let (volume, magnitude) = this.signed_volume();
-        this.volume_error = 4.0 * f64::EPSILON * magnitude;
+        let volume = this.signed_volume();
         // Below a few units of the last digit of the cube around it, nothing is left of a volume but rounding.
         if volume.abs() <= 4.0 * f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
             return Err(ElementError::NoVolume { kind, volume, size });
@@ -289,13 +293,29 @@ impl Polyhedron {
     }
 
     fn push_piece(&mut self, face: usize, corners: &[u32]) {
-        let points: Vec<[f64; 3]> = corners.iter().map(|&k| self.vertices[k as usize].to_array()).collect();
-        let area = DVec3::from(polygon_area_vector(&points));
+        let at = |k: u32| Vector::<DoubleDouble>::from_f64(self.vertices[k as usize].to_array());
+        let origin = at(corners[0]);
+        let zero = DoubleDouble::ZERO;
+        let twice = corners[1..]
+            .windows(2)
+            .fold(Vector::new(zero, zero, zero), |sum, pair| sum + (at(pair[0]) - origin).cross(at(pair[1]) - origin));
+        let length = twice.length();
         // A piece without area has no normal and contributes nothing: its two sides cancel.
-        let Some(normal) = area.try_normalize() else { return };
-        self.face_areas[face] += area.length();
+        if length <= zero {
+            return;
+        }
+        let normal = DVec3::new((twice.x / length).hi(), (twice.y / length).hi(), (twice.z / length).hi());
+        self.face_areas[face] += 0.5 * length.hi();
+        let points: Vec<[f64; 3]> = corners.iter().map(|&k| self.vertices[k as usize].to_array()).collect();
         self.piece_corners.extend_from_slice(corners);
-        self.pieces.push(Piece { normal, face: face as u32, end: self.piece_corners.len() as u32 });
+        self.pieces.push(Piece {
+            normal,
+            face: face as u32,
+            end: self.piece_corners.len() as u32,
+            flatness: flatness(&points),
+            warp: warp_bound(&points),
+            apex: DVec3::from(polygon_centroid(&points)),
+        });
     }
 
     fn invert(&mut self) {
@@ -308,21 +328,19 @@ impl Polyhedron {
         }
     }
 
-    /// The volume, and the sum of the magnitudes that were added for it.
-    fn signed_volume(&self) -> (f64, f64) {
-        // About the middle of the box, so that a far offset costs no digits.
-        let origin = 0.5 * (self.low + self.high);
-        let (mut sum, mut magnitude) = (0.0, 0.0);
-        for (_, corners) in self.rings() {
-            let apex = self.vertices[corners[0] as usize] - origin;
-            for pair in corners[1..].windows(2) {
-                let (a, b) = (self.vertices[pair[0] as usize] - origin, self.vertices[pair[1] as usize] - origin);
-                let normal = (a - apex).cross(b - apex);
-                sum += apex.dot(normal);
-                magnitude += apex.length() * (a - apex).length() * (b - apex).length();
+    /// The volume, in double-double: flat elements would lose it to cancellation.
+    fn signed_volume(&self) -> f64 {
+        let at = |k: u32| Vector::<DoubleDouble>::from_f64(self.vertices[k as usize].to_array());
+        let origin = at(0);
+        let mut sum = DoubleDouble::ZERO;
+        for (piece, corners) in self.rings() {
+            let ring: Vec<Vector<DoubleDouble>> = corners.iter().map(|&k| at(k) - origin).collect();
+            let apex = if piece.warp == 0.0 { ring[0] } else { Vector::from_f64(piece.apex.to_array()) - origin };
+            for (k, &a) in ring.iter().enumerate() {
+                sum += apex.dot(a.cross(ring[(k + 1) % ring.len()]));
             }
         }
-        (sum / 6.0, magnitude / 6.0)
+        f64::from(sum) / 6.0
     }
 
     fn is_convex_within(&self, tolerance: f64) -> bool {
@@ -361,11 +379,6 @@ impl Polyhedron {
     #[inline]
     pub fn volume(&self) -> f64 {
         self.volume
-    }
-
-    /// Rounding error that the volume may have: flat elements have few correct digits.
-    pub(crate) fn volume_error(&self) -> f64 {
-        self.volume_error
     }
 
     /// Area of each face, in the order of [`ElementKind::faces`] or of the faces given.

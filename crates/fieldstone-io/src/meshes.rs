@@ -27,7 +27,9 @@ enum Format {
 fn format_of(path: &Path) -> Result<Format, IoError> {
     let folder = |p: &Path| p.is_dir();
     let in_poly_mesh = path.parent().is_some_and(|p| p.file_name().is_some_and(|n| n == "polyMesh"));
-    if folder(path) || in_poly_mesh {
+    // ParaView's empty marker file stands for the case that it lies in.
+    let marker = path.extension().is_some_and(|e| e == "foam");
+    if folder(path) || in_poly_mesh || marker {
         return Ok(Format::OpenFoam);
     }
     let mut start = Vec::new();
@@ -60,8 +62,7 @@ fn format_of(path: &Path) -> Result<Format, IoError> {
 /// [`IoError::UnknownFormat`] where the content is none of these; else the reader's own.
 pub fn read_mesh(path: &Path) -> Result<Mesh, IoError> {
     match format_of(path)? {
-        Format::OpenFoam if path.is_dir() => openfoam::read_poly_mesh(path),
-        Format::OpenFoam => openfoam::read_poly_mesh(path.parent().unwrap_or(path)),
+        Format::OpenFoam => openfoam::read_poly_mesh(path),
         Format::Gmsh => gmsh::read_gmsh(path),
         Format::Vtk => vtk::read_vtk_mesh(path),
         Format::Unknown(found) => Err(IoError::UnknownFormat {

@@ -1,10 +1,27 @@
 //! Ball in mesh: the overlap with every cell, each face evaluated once per ball.
 
+use std::f64::consts::PI;
+
 use fieldstone_geometry::{Ball, Vector, volume_from_terms};
 use glam::DVec3;
 
 use crate::Mesh;
 use crate::surface::FaceSum;
+
+/// Volumes below this, in units of the radius cubed, do not tell by their sign whether the centre is in the cell.
+const UNDECIDED: f64 = 1e-9;
+
+/// How the faces in reach of a ball are evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// From what of them is inside the ball, see [`crate::face_inside`].
+    Inside,
+    /// From what of them is outside it: any ball, any face, but every face of a cell is needed.
+    Outside,
+}
+
+/// A face had to be evaluated from outside: start the ball again that way.
+struct NotFromInside;
 
 /// Working memory of [`Mesh::overlap_ball`] and its siblings: one per thread.
 ///
@@ -17,6 +34,7 @@ pub struct MeshScratch {
     ball: u32,
     candidates: Vec<u32>,
     pub(crate) ring: Vec<Vector<f64>>,
+    shifted: Vec<DVec3>,
     pub(crate) polygon: Vec<DVec3>,
     pub(crate) clipped: Vec<DVec3>,
 }
@@ -30,6 +48,7 @@ impl MeshScratch {
             ball: 0,
             candidates: Vec::new(),
             ring: Vec::new(),
+            shifted: Vec::new(),
             polygon: Vec::new(),
             clipped: Vec::new(),
         }
@@ -69,10 +88,15 @@ impl Mesh {
         cells: &mut Vec<CellOverlap>,
         faces: &mut Vec<(u32, f64)>,
     ) {
-        let start = faces.len();
+        let (first_cell, start) = (cells.len(), faces.len());
         let r2 = ball.radius() * ball.radius();
-        self.visit_cells(ball, scratch, |cell, scratch| {
-            let overlap = self.cell_overlap(ball, cell, scratch, false);
+        self.visit_cells(ball, scratch, |cell, way, scratch| {
+            if cell.is_none() {
+                cells.truncate(first_cell);
+                faces.truncate(start);
+            }
+            let Some(cell) = cell else { return Ok(()) };
+            let overlap = self.cell_overlap(ball, cell, way, scratch, false)?;
             if overlap.volume > 0.0 {
                 for &face in self.cell_faces(cell as usize) {
                     let area = scratch.sums[face as usize].area;
@@ -82,6 +106,7 @@ impl Mesh {
                 }
                 cells.push(overlap);
             }
+            Ok(())
         });
         faces[start..].sort_unstable_by_key(|&(face, _)| face);
         // The two cells of a face report the very same evaluation.
@@ -96,16 +121,30 @@ impl Mesh {
     }
 
     pub(crate) fn overlap_ball_volumes(&self, ball: &Ball, scratch: &mut MeshScratch, out: &mut Vec<(u32, f64)>) {
-        self.visit_cells(ball, scratch, |cell, scratch| {
-            let volume = self.cell_overlap(ball, cell, scratch, true).volume;
+        let start = out.len();
+        self.visit_cells(ball, scratch, |cell, way, scratch| {
+            let Some(cell) = cell else {
+                out.truncate(start);
+                return Ok(());
+            };
+            let volume = self.cell_overlap(ball, cell, way, scratch, true)?.volume;
             if volume > 0.0 {
                 out.push((cell, volume));
             }
+            Ok(())
         });
     }
 
     /// Calls `visit` with the cells whose bounds meet the ball, in rising order.
-    fn visit_cells(&self, ball: &Ball, scratch: &mut MeshScratch, mut visit: impl FnMut(u32, &mut MeshScratch)) {
+    ///
+    /// Where `visit` says that a face cannot be evaluated from inside, it is called with `None`, to drop what it
+    /// has gathered for this ball, and with all the cells again, which then agree on the way.
+    fn visit_cells(
+        &self,
+        ball: &Ball,
+        scratch: &mut MeshScratch,
+        mut visit: impl FnMut(Option<u32>, Way, &mut MeshScratch) -> Result<(), NotFromInside>,
+    ) {
         scratch.next_ball();
         let centre = DVec3::from(ball.centre());
         let r2 = ball.radius() * ball.radius();
@@ -118,19 +157,30 @@ impl Mesh {
             }
         });
         candidates.sort_unstable();
-        for &cell in &candidates {
-            visit(cell, scratch);
+        let done = candidates.iter().try_for_each(|&cell| visit(Some(cell), Way::Inside, scratch));
+        if done.is_err() {
+            scratch.next_ball();
+            // From outside no face is refused.
+            let _ = visit(None, Way::Outside, scratch);
+            let _ = candidates.iter().try_for_each(|&cell| visit(Some(cell), Way::Outside, scratch));
         }
         scratch.candidates = candidates;
     }
 
-    fn cell_overlap(&self, ball: &Ball, cell: u32, scratch: &mut MeshScratch, volume_only: bool) -> CellOverlap {
+    fn cell_overlap(
+        &self,
+        ball: &Ball,
+        cell: u32,
+        way: Way,
+        scratch: &mut MeshScratch,
+        volume_only: bool,
+    ) -> Result<CellOverlap, NotFromInside> {
         let at = cell as usize;
         let centre = DVec3::from(ball.centre());
         let r = ball.radius();
         let whole = self.cell_volumes()[at];
         let outward = self.orientation(at);
-        let result = |volume, sphere_area| CellOverlap { cell, volume, sphere_area };
+        let result = |volume, sphere_area| Ok(CellOverlap { cell, volume, sphere_area });
 
         let inside = |k: &u32| (self.surface.vertices[*k as usize] - centre).length_squared() <= r * r;
         let all_inside = self.cell_vertices(at).iter().all(inside);
@@ -149,22 +199,53 @@ impl Mesh {
 
         let scale = 1.0 / r;
         let (mut volume3, mut solid_angle, mut touched) = (0.0, 0.0, false);
+        let mut nearest = f64::INFINITY;
         for (face, sign) in self.signed_faces(at) {
             if scratch.stamp[face] != scratch.ball {
+                scratch.sums[face] = match way {
+                    Way::Inside => {
+                        self.surface.sum_inside(face, centre, r, scale, &mut scratch.shifted).ok_or(NotFromInside)?
+                    }
+                    Way::Outside => self.surface.sum(face, centre, scale, &mut scratch.ring),
+                };
                 scratch.stamp[face] = scratch.ball;
-                scratch.sums[face] = self.surface.sum(face, centre, scale, &mut scratch.ring);
             }
             let sum = &scratch.sums[face];
             volume3 += sign * sum.volume3;
             solid_angle += sign * sum.solid_angle;
             touched |= sum.area != 0.0;
+            nearest = nearest.min(if outward * sign > 0.0 { sum.distances[0] } else { -sum.distances[1] });
         }
         if all_inside {
             return result(whole, 0.0);
         }
-        let volume = volume_from_terms(ball, whole, outward * volume3, outward * solid_angle, touched);
+        (volume3, solid_angle) = (outward * volume3, outward * solid_angle);
+        if way == Way::Inside {
+            // The sum lacks 4π where the centre is in the cell. It then lies between minus the ball and 0, otherwise
+            // between 0 and the ball; and the centre is surely inside where it is on the inner side of every piece.
+            let centre_inside = if volume3.abs() > UNDECIDED {
+                volume3 < 0.0
+            } else if nearest > 0.0 {
+                true
+            } else if self.is_convex(at) {
+                false
+            } else {
+                (volume3, solid_angle) = (0.0, 0.0);
+                for (face, sign) in self.signed_faces(at) {
+                    let sum = self.surface.sum(face, centre, scale, &mut scratch.ring);
+                    volume3 += outward * sign * sum.volume3;
+                    solid_angle += outward * sign * sum.solid_angle;
+                }
+                false
+            };
+            if centre_inside {
+                volume3 += 4.0 * PI;
+                solid_angle += 4.0 * PI;
+            }
+        }
+        let volume = volume_from_terms(ball, whole, volume3, solid_angle, touched);
         let sphere_area = if touched {
-            (outward * solid_angle * r * r).clamp(0.0, ball.surface_area())
+            (solid_angle * r * r).clamp(0.0, ball.surface_area())
         } else if volume > 0.0 {
             ball.surface_area()
         } else {

@@ -11,6 +11,7 @@ mod cell_tree;
 mod cells;
 mod cuboid_overlap;
 mod error;
+mod face_inside;
 mod from_cells;
 mod grid;
 mod locate;

@@ -8,10 +8,15 @@ use fieldstone_geometry::{
 use glam::DVec3;
 
 use crate::MeshParts;
+use crate::face_inside::face_inside;
+
+/// Sine of the least angle at a corner of a piece for it to count as convex.
+const LEAST_BEND: f64 = 1e-6;
 
 /// What one face contributes to the overlap of a ball with its owner, in units of the ball's radius.
 ///
-/// The neighbour gets the same with the other sign.
+/// The neighbour gets the same with the other sign. With Ω the solid angle under which the centre sees what of the
+/// face is outside the ball ([`Surface::sum`]), or minus the one of what is inside ([`Surface::sum_inside`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct FaceSum {
     /// Σ (d A + Ω) over the pieces.
@@ -20,6 +25,8 @@ pub(crate) struct FaceSum {
     pub solid_angle: f64,
     /// Σ A, never negative.
     pub area: f64,
+    /// Least and largest d of the pieces; positive with the centre on the owner's side. [`Surface::sum_inside`] only.
+    pub distances: [f64; 2],
 }
 
 /// The planar pieces of all faces.
@@ -32,7 +39,11 @@ pub(crate) struct Surface {
     /// End of each piece's corners.
     piece_ends: Vec<u32>,
     corners: Vec<u32>,
-    normals: Vec<DVec3>,
+    /// Of each piece: a corner, and the unit normal out of the owner. Side by side, because every cell in reach of a
+    /// ball is asked for its distance from the planes, and most for nothing else.
+    planes: Vec<(DVec3, DVec3)>,
+    /// Whether a piece turns left at every corner, by more than rounding.
+    convex: Vec<bool>,
     /// Area-weighted centroid of each face.
     pub centroids: Vec<DVec3>,
     /// Area vector of each face.
@@ -48,7 +59,8 @@ impl Surface {
             face_ends: Vec::with_capacity(faces),
             piece_ends: Vec::with_capacity(faces),
             corners: Vec::with_capacity(parts.face_points.len()),
-            normals: Vec::with_capacity(faces),
+            planes: Vec::with_capacity(faces),
+            convex: Vec::with_capacity(faces),
             centroids: Vec::with_capacity(faces),
             area_vectors: Vec::with_capacity(faces),
             warped_faces: 0,
@@ -84,7 +96,13 @@ impl Surface {
         let Some(normal) = DVec3::from(polygon_area_vector(&points)).try_normalize() else { return };
         self.corners.extend_from_slice(ring);
         self.piece_ends.push(self.corners.len() as u32);
-        self.normals.push(normal);
+        self.planes.push((self.vertices[ring[0] as usize], normal));
+        let n = ring.len();
+        let side = |k: usize| self.vertices[ring[(k + 1) % n] as usize] - self.vertices[ring[k % n] as usize];
+        self.convex.push((0..n).all(|k| {
+            let (a, b) = (side(k), side(k + 1));
+            normal.dot(a.cross(b)) > LEAST_BEND * a.length() * b.length()
+        }));
     }
 
     /// Pieces of a face.
@@ -101,12 +119,13 @@ impl Surface {
 
     /// Unit normal of a piece, out of the owner.
     pub fn normal(&self, piece: usize) -> DVec3 {
-        self.normals[piece]
+        self.planes[piece].1
     }
 
     /// Signed distance of `point` from the plane of a piece, positive on the neighbour's side.
     pub fn height(&self, piece: usize, point: DVec3) -> f64 {
-        self.normals[piece].dot(point - self.vertices[self.ring(piece)[0] as usize])
+        let (corner, normal) = self.planes[piece];
+        normal.dot(point - corner)
     }
 
     /// Contribution of `face` for the ball of radius 1/`scale` around `centre`.
@@ -118,12 +137,60 @@ impl Surface {
                 let v = (self.vertices[k as usize] - centre) * scale;
                 Vector::new(v.x, v.y, v.z)
             }));
-            let n = self.normals[piece];
+            let n = self.planes[piece].1;
             let FaceTerms { distance, area, solid_angle } = face_terms(Vector::new(n.x, n.y, n.z), ring);
             sum.volume3 += distance * area + solid_angle;
             sum.solid_angle += solid_angle;
             sum.area += area;
         }
         sum
+    }
+
+    /// As [`Surface::sum`], from what of `face` is inside the ball: a face that the ball does not reach costs a
+    /// product per edge at most.
+    ///
+    /// `None` where the centre, or its foot on a plane, is too near an edge or a corner for that (see
+    /// [`face_inside`]), and for pieces that are not convex.
+    pub fn sum_inside(
+        &self,
+        face: usize,
+        centre: DVec3,
+        radius: f64,
+        scale: f64,
+        ring: &mut Vec<DVec3>,
+    ) -> Option<FaceSum> {
+        let mut sum = FaceSum { distances: [f64::INFINITY, f64::NEG_INFINITY], ..FaceSum::default() };
+        for piece in self.pieces(face) {
+            let (corner, normal) = self.planes[piece];
+            let distance = normal.dot(corner - centre) * scale;
+            sum.distances = [sum.distances[0].min(distance), sum.distances[1].max(distance)];
+            if distance.abs() >= 1.0 {
+                continue;
+            }
+            let corners = self.ring(piece);
+            // Most pieces whose plane cuts the ball are themselves beside it.
+            if self.beside(corners, centre, radius) {
+                continue;
+            }
+            if !self.convex[piece] {
+                return None;
+            }
+            ring.clear();
+            ring.extend(corners.iter().map(|&k| (self.vertices[k as usize] - centre) * scale));
+            let terms = face_inside(normal, distance, ring)?;
+            sum.volume3 += terms.volume3;
+            sum.solid_angle += terms.solid_angle;
+            sum.area += terms.area;
+        }
+        Some(sum)
+    }
+
+    /// Whether the box around some vertices misses the ball.
+    fn beside(&self, corners: &[u32], centre: DVec3, radius: f64) -> bool {
+        let (low, high) = corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &k| {
+            let v = self.vertices[k as usize];
+            (low.min(v), high.max(v))
+        });
+        (centre - centre.clamp(low, high)).length_squared() >= radius * radius
     }
 }

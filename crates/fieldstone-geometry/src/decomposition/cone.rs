@@ -51,7 +51,7 @@ impl Cone<'_> {
         };
         let tetrahedron = reach[0] * reach[1] * reach[2] * self.vertex.determinant / 6.0;
         let base_distance = base.dot(self.point + (y[0] + y[1] + y[2]) / 3.0);
-        let mut part = Part { volume: tetrahedron, area: 0.0 } + Part::cap(base_distance);
+        let mut part = Part { triple_volume: 3.0 * tetrahedron, area: 0.0 } + Part::cap(base_distance);
         for i in 0..3 {
             let (from, to) = (y[(i + 1) % 3], y[(i + 2) % 3]);
             let chord = to - from;

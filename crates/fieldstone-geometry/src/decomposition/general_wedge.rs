@@ -65,7 +65,7 @@ pub fn general_wedge_volume(r: f64, d: [f64; 3], n0: [f64; 3], n1: [f64; 3]) -> 
     let (d, n0, n1) = (DVec3::from(d) / r, DVec3::from(n0), DVec3::from(n1));
     let line = n0.cross(n1).try_normalize()?;
     let (o0, o1) = (line.cross(n0), n1.cross(line));
-    Some(r * r * r * WedgePlanes::new(d, [n0, n1], [o0, o1]).part())
+    Some(r * r * r / 3.0 * WedgePlanes::new(d, [n0, n1], [o0, o1]).part())
 }
 
 /// Two planes as Algorithm 3 sees them from the centre of the unit ball.
@@ -93,7 +93,7 @@ impl WedgePlanes {
     }
 
     fn part(self) -> f64 {
-        unit_general_wedge(&self, half_chord(self.distance_squared())).volume
+        unit_general_wedge(&self, half_chord(self.distance_squared())).triple_volume
     }
 
     /// Angle of the wedge, $\pi - \mathrm{angle}(\vec n_0, \vec n_1)$; two-argument, so also good near 0 and π.
@@ -110,7 +110,7 @@ pub(crate) fn unit_general_wedge(planes: &WedgePlanes, half_chord: f64) -> Part 
     let b = half_chord;
     // Lines 2–5: the common line passes through the centre, a slice like an orange's.
     if planes.distance_squared() < EPSILON * EPSILON {
-        return Part { volume: 2.0 / 3.0, area: 2.0 } * planes.angle();
+        return Part { triple_volume: 2.0, area: 2.0 } * planes.angle();
     }
     // Lines 8–11: a plane through the centre, so that one half-plane lies along the separation vector.
     if s0.abs() < EPSILON || s1.abs() < EPSILON {

@@ -62,8 +62,7 @@ use crate::Ball;
 ///
 /// $$ V = V_\mathrm{ball} - \sum V_\mathrm{cap} + \sum V_\mathrm{wedge} - \sum V_\mathrm{cone} $$
 ///
-/// In [0, volume of the smaller body] but for rounding; never below 0. Absolute error a few ε r³, see the
-/// [module](self).
+/// Never below 0 nor above the element's volume. Absolute error a few ε r³, see the [module](self).
 ///
 /// Cost: bounding boxes, then all corners and planes; for a partial overlap four arc tangents per edge that meets the
 /// ball and twelve per vertex inside it. No heap memory.

@@ -22,7 +22,8 @@ pub(super) fn volume(centre: [f64; 3], radius: f64, element: &DecompositionEleme
     match overlap(centre, radius, element) {
         Overlap::Nothing => 0.0,
         Overlap::WholeElement => element.volume(),
-        Overlap::Ball(part) => part.volume * (radius * radius * radius),
+        // A huge ball's rounding errors can be larger than the element.
+        Overlap::Ball(part) => (part.triple_volume * (radius * radius * radius) / 3.0).min(element.volume()),
     }
 }
 
@@ -98,9 +99,9 @@ fn partial(element: &DecompositionElement, found: &Intersections) -> Part {
         part -= cone.part();
     }
     // A wrong set of primitives misses by a whole wedge or cone: do not let the clamp below hide it.
-    debug_assert!(part.volume > -1e-12 && part.area > -1e-12, "negative overlap {part:?} with {found:?}");
+    debug_assert!(part.triple_volume > -1e-12 && part.area > -1e-12, "negative overlap {part:?} with {found:?}");
     // Rounding can leave a tiny negative number where the overlap is next to nothing.
-    Part { volume: part.volume.max(0.0), area: part.area.max(0.0) }
+    Part { triple_volume: part.triple_volume.max(0.0), area: part.area.max(0.0) }
 }
 
 /// Positions of the set bits, lowest first.

@@ -31,9 +31,9 @@ pub fn regularized_wedge_volume(r: f64, d: f64, alpha: f64) -> f64 {
     let d = d / r;
     let (sin, cos) = alpha.sin_cos();
     // At d = 0 Eq. 5 leaves atan2(sin α, cos α), which the scaled form below would lose: it has d in both arguments.
-    let volume =
-        if d == 0.0 { 2.0 / 3.0 * alpha } else { unit_regularized_wedge(d * sin, half_chord(d * d), d * cos).volume };
-    volume * (r * r * r)
+    let triple_volume =
+        if d == 0.0 { 2.0 * alpha } else { unit_regularized_wedge(d * sin, half_chord(d * d), d * cos).triple_volume };
+    triple_volume * (r * r * r) / 3.0
 }
 
 /// Half the length of a line's chord in the unit ball, from the squared distance of the line.
@@ -62,7 +62,7 @@ fn acute(a: f64, b: f64, c: f64) -> Part {
     let in_plane = b.atan2(c);
     let on_sphere = (a * b).atan2(c);
     Part {
-        volume: (a * b * c + a * (a * a - 3.0) * in_plane + 2.0 * on_sphere) * (1.0 / 3.0),
+        triple_volume: a * b * c + a * (a * a - 3.0) * in_plane + 2.0 * on_sphere,
         area: 2.0 * (on_sphere - a * in_plane),
     }
 }

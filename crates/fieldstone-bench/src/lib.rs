@@ -1,0 +1,22 @@
+//! What the benches share: reproducible balls, meshes and pairs, a clock, and interleaved timing.
+//!
+//! | run | measures |
+//! |---|---|
+//! | `cargo run --release -p fieldstone-bench --bin pairs` | nanoseconds per partially overlapping pair, kernel against decomposition |
+//! | `cargo run --release -p fieldstone-bench --bin jobs` | whole jobs: balls in meshes, 1 and 2 threads |
+//! | `cargo bench -p fieldstone-bench` | the same operations under criterion, to compare two versions of the code |
+//!
+//! Times on a shared machine wander by tens of percent, so the two binaries take turns between the rivals and
+//! report the median over the turns of the *ratio*, which wanders far less.
+
+mod clock;
+mod interleaved;
+mod jobs;
+mod pairs;
+mod random;
+
+pub use clock::{process_seconds, thread_seconds};
+pub use interleaved::{median, take_turns};
+pub use jobs::{box_of_hexahedra, random_balls};
+pub use pairs::{Pairs, Shape};
+pub use random::Random;

@@ -1,0 +1,95 @@
+//! Two methods that share no formula agree on random pairs: the kernel's sums over edges, and caps, wedges and cones.
+//!
+//! Radii are 0.1 to 5 times the edge of the cube with the element's volume. 100,000 pairs per kind;
+//! `FIELDSTONE_PAIRS=1000000` for more. The worst are printed with `--nocapture`.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Random, dot, element, generic_corners, size_of, sub};
+use fieldstone_geometry::decomposition::{self, DecompositionElement};
+use fieldstone_geometry::{Ball, ElementKind, Polyhedron, overlap};
+
+const LIMIT: f64 = 1e-10;
+
+fn both(kind: ElementKind, corners: &[[f64; 3]]) -> (Polyhedron, DecompositionElement) {
+    let other = match kind {
+        ElementKind::Tetrahedron => DecompositionElement::tetrahedron(corners.try_into().unwrap()),
+        ElementKind::Wedge => DecompositionElement::wedge(corners.try_into().unwrap()),
+        _ => DecompositionElement::hexahedron(corners.try_into().unwrap()),
+    };
+    (element(kind, corners), other.unwrap())
+}
+
+fn agree(kind: ElementKind, seed: u64) {
+    let pairs = std::env::var("FIELDSTONE_PAIRS").map_or(100_000, |n| n.parse::<usize>().unwrap());
+    let mut random = Random(seed);
+    let (mut partial, mut worst, mut worst_area, mut worst_at) = (0, 0.0f64, 0.0f64, String::new());
+    let mut drawn = 0;
+    while drawn < pairs {
+        let corners = generic_corners(kind, &mut random);
+        let (polyhedron, decomposed) = both(kind, &corners);
+        let size = polyhedron.volume().cbrt();
+        // An element is used a few times: the balls are what differs most.
+        for _ in 0..10.min(pairs - drawn) {
+            drawn += 1;
+            let r = size * random.log_uniform(0.1, 5.0);
+            // A point of the element, and a centre such that the sphere is near that point.
+            let weights: Vec<f64> = corners.iter().map(|_| random.uniform(0.0, 1.0)).collect();
+            let total: f64 = weights.iter().sum();
+            let at = [0, 1, 2].map(|k| corners.iter().zip(&weights).map(|(p, w)| p[k] * w / total).sum::<f64>());
+            let direction = random.direction();
+            let reach = r * random.uniform(0.6, 1.1);
+            let centre = [0, 1, 2].map(|k| at[k] + reach * direction[k]);
+
+            let ball = Ball::new(centre, r).unwrap();
+            let smaller = ball.volume().min(polyhedron.volume());
+            let ours = overlap(&ball, &polyhedron);
+            let theirs = decomposition::overlap_volume(&ball, &decomposed);
+            let their_area = decomposition::overlap_sphere_area(&ball, &decomposed);
+            partial += usize::from(ours.volume > 1e-9 * smaller && ours.volume < (1.0 - 1e-9) * smaller);
+            let error = (ours.volume - theirs).abs() / smaller;
+            worst_area = worst_area.max((ours.sphere_area - their_area).abs() / ball.surface_area());
+            if error > worst {
+                worst = error;
+                worst_at = format!("corners {corners:?}, centre {centre:?}, radius {r:?}");
+            }
+            assert!(error.is_finite(), "corners {corners:?}, centre {centre:?}, radius {r:?}");
+        }
+    }
+    println!(
+        "{kind}: {drawn} pairs, {partial} partial, volumes within {worst:.1e} min(V), areas within {worst_area:.1e} 4πr²"
+    );
+    assert!(partial * 3 > drawn, "only {partial} of {drawn} pairs overlap in part");
+    assert!(worst <= LIMIT, "{kind}: {worst:e} of min(V) at {worst_at}");
+    assert!(worst_area <= LIMIT, "{kind}: sphere areas differ by {worst_area:e}");
+}
+
+#[test]
+fn kernel_and_decomposition_agree_on_random_tetrahedra() {
+    agree(ElementKind::Tetrahedron, 1);
+}
+
+#[test]
+fn kernel_and_decomposition_agree_on_random_wedges() {
+    agree(ElementKind::Wedge, 2);
+}
+
+#[test]
+fn kernel_and_decomposition_agree_on_random_hexahedra() {
+    agree(ElementKind::Hexahedron, 3);
+}
+
+#[test]
+fn random_elements_have_no_two_parallel_faces_and_differ_from_each_other() {
+    let mut random = Random(4);
+    let a = generic_corners(ElementKind::Hexahedron, &mut random);
+    let b = generic_corners(ElementKind::Hexahedron, &mut random);
+    assert!(size_of(&[a[6], b[6]]) > 1e-3);
+    let normal = |c: &[[f64; 3]], f: &[usize]| common::cross(sub(c[f[1]], c[f[0]]), sub(c[f[2]], c[f[0]]));
+    let faces = ElementKind::Hexahedron.faces();
+    let (n, m) = (normal(&a, faces[1]), normal(&a, faces[3]));
+    let c = common::cross(n, m);
+    assert!(dot(c, c) > 1e-6 * dot(n, n) * dot(m, m));
+}
