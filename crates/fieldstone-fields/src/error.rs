@@ -56,7 +56,7 @@ pub enum FieldsError {
         mesh_high: [f64; 3],
     },
     /// A parcel weight is not usable.
-    #[error("particle {particle} has parcel weight {value}; weights must be between 0 and 1e100")]
+    #[error("particle {particle} has parcel weight {value:?}; weights must be between 0 and 1e100")]
     ParcelWeight {
         /// Index of the particle, from 0.
         particle: usize,

@@ -207,7 +207,9 @@ impl Weights {
             }
             start = end;
         }
-        Ok((0..self.cell_count).into_par_iter().map(|cell| terms[ends[cell]..ends[cell + 1]].iter().sum()).collect())
+        // Not `sum`: that of no terms is -0, which files would show.
+        let total = |cell: usize| terms[ends[cell]..ends[cell + 1]].iter().fold(0.0, |sum, term| sum + term);
+        Ok((0..self.cell_count).into_par_iter().map(total).collect())
     }
 
     /// For each particle the average of a cell field over the part of the particle that lies in cells.

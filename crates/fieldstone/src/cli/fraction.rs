@@ -25,7 +25,7 @@ use super::{outputs, report};
 /// Solid fraction of every cell of a mesh or grid, from a packing of spheres
 ///
 /// Writes solid_fraction, void_fraction, solid_volume, cell_volume and particle_count (centres) for each cell, and
-/// accounts for all volume: binned + clipped = particle volume.
+/// accounts for all volume: binned + clipped (outside the mesh) = particle volume.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone fraction --mesh case --particles dump.liggghts --out solid.vtu\n  \
@@ -39,12 +39,21 @@ pub(crate) struct Fraction {
     #[command(flatten)]
     particles: ParticleArguments,
     /// kernel, kernel-f64 or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
+    ///
+    /// Exact: kernel, for any cells and sizes, to 1e-12 of the smaller volume; kernel-f64, the same without the promise,
+    /// much faster for balls many times larger than cells; decomposition, an independent check. Approximations in use elsewhere:
+    /// centre, the whole ball to the cell of its centre; centre-smoothed, then averaged with the face neighbours, which
+    /// does not conserve volume; cube of equal volume; divided, 29 points; sampled:N, a regular grid of about N points
+    /// in the ball; monte-carlo:N, N random points, the same in every run.
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON
+    ///
+    /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume, max_solid_fraction,
+    /// cells_above_one, inverted_cells, and seconds with read, search, overlap, write.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column

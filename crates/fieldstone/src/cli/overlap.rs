@@ -19,6 +19,9 @@ use super::{outputs, report};
 /// volume, and with the kernel sphere_area, one area per face (f0_area …, faces in CGNS numbering) and the
 /// gradient of the volume with respect to the centre.
 #[derive(Debug, Args)]
+#[command(after_long_help = "Example:\n  \
+    fieldstone overlap --element hex --cases hexahedra.csv --order cgns --out overlaps.csv\n\n\
+    Units: all lengths as in the table; areas and the gradient are their squares, volumes their cubes.")]
 pub(crate) struct OverlapCases {
     /// Kind of element in every row
     #[arg(long, value_enum)]
@@ -26,10 +29,10 @@ pub(crate) struct OverlapCases {
     /// Table of cases (.csv, .csv.gz)
     #[arg(long, value_name = "FILE")]
     cases: PathBuf,
-    /// Result table
+    /// Result table (.csv): the columns of the cases, then the results
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// kernel, decomposition, centre, cube, divided, sampled:N or monte-carlo:N
+    /// kernel, decomposition, centre, cube, divided, sampled:N or monte-carlo:N; see fieldstone fraction --help
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Order of the corners
@@ -53,7 +56,9 @@ enum Element {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Order {
+    /// as in VTK up to 9.6: a wedge's first triangle is wound outwards; else as CGNS
     Vtk,
+    /// as in CGNS: the first face is wound inwards
     Cgns,
 }
 
