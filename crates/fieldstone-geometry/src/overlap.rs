@@ -83,7 +83,7 @@ impl ErrorBound {
 }
 
 /// How a ball lies to a polyhedron, where that is cheap to tell.
-enum Placement {
+pub(crate) enum Placement {
     /// They have no point in common, or touch only.
     Apart,
     /// All of the polyhedron is in the ball.
@@ -214,7 +214,7 @@ pub fn fast_overlap(ball: &Ball, polyhedron: &Polyhedron) -> CertifiedOverlap {
     }
 }
 
-fn placement(ball: &Ball, polyhedron: &Polyhedron) -> Placement {
+pub(crate) fn placement(ball: &Ball, polyhedron: &Polyhedron) -> Placement {
     // Distances are known to their rounding only, and a huge ball holds a small element or not within that: what is
     // not clear by this margin is left to the kernel.
     const MARGIN: f64 = 8.0 * f64::EPSILON;

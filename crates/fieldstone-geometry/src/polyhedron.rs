@@ -109,6 +109,8 @@ pub(crate) struct Piece {
     pub flatness: f64,
     /// Largest distance of a corner from the plane, rounding included; 0 where the corners lie in one plane exactly.
     pub warp: f64,
+    /// Whether it can be evaluated in lanes: a triangle or a convex quadrilateral.
+    pub simple: bool,
     /// Centroid, around which the piece is fanned in more digits than `f64` where it is not exactly planar.
     pub apex: DVec3,
 }
@@ -133,6 +135,8 @@ pub struct Polyhedron {
     corner_count: usize,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) piece_corners: Vec<u32>,
+    /// 1 / length of the side from each entry of `piece_corners` to the next of its piece.
+    pub(crate) inverse_lengths: Vec<f64>,
     face_areas: Vec<f64>,
     volume: f64,
     low: DVec3,
@@ -252,6 +256,7 @@ impl Polyhedron {
             vertices: positions,
             pieces: Vec::with_capacity(faces.len()),
             piece_corners: Vec::new(),
+            inverse_lengths: Vec::new(),
             face_areas: vec![0.0; faces.len()],
             volume: 0.0,
             low,
@@ -275,6 +280,13 @@ impl Polyhedron {
             this.invert();
         }
         this.convex = this.is_convex_within(1e-12 * size);
+        let inverse_lengths = this.rings().flat_map(|(_, corners)| {
+            (0..corners.len()).map(|k| {
+                let at = |k: usize| this.vertices[corners[k % corners.len()] as usize];
+                (at(k + 1) - at(k)).length().recip()
+            })
+        });
+        this.inverse_lengths = inverse_lengths.collect();
         Ok(this)
     }
 
@@ -315,6 +327,7 @@ impl Polyhedron {
             flatness: flatness(&points),
             warp: warp_bound(&points),
             apex: DVec3::from(polygon_centroid(&points)),
+            simple: corners.len() == 3 || corners.len() == 4 && is_convex_quadrilateral(&points, normal),
         });
     }
 
@@ -411,6 +424,13 @@ impl Polyhedron {
     pub fn has_warped_faces(&self) -> bool {
         self.vertices.len() > self.corner_count
     }
+}
+
+fn is_convex_quadrilateral(points: &[[f64; 3]], normal: DVec3) -> bool {
+    (0..4).all(|k| {
+        let at = |k: usize| DVec3::from(points[k % 4]);
+        (at(k + 1) - at(k)).cross(at(k + 2) - at(k + 1)).dot(normal) > 0.0
+    })
 }
 
 fn check_closed(count: usize, faces: &[&[usize]]) -> Result<(), ElementError> {
