@@ -36,7 +36,7 @@ pub enum FieldsError {
     },
     /// A method's name is not known.
     #[error(
-        "there is no method '{0}'; choose one of kernel, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"
+        "there is no method '{0}'; choose one of kernel, kernel-f64, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"
     )]
     UnknownMethod(String),
     /// No particle reaches any cell.

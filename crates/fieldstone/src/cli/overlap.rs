@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::fields::{Method, Weights};
-use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, error_estimate, overlap};
+use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, Precision, certified_overlap};
 use fieldstone::io::{CsvTable, CsvWriter};
 use fieldstone::mesh::{CellList, Mesh};
 use fieldstone::particles::Particles;
@@ -38,6 +38,9 @@ pub(crate) struct OverlapCases {
     /// Order of the corners
     #[arg(long, value_enum, default_value = "vtk")]
     order: Order,
+    /// Add a column volume_error: a bound of the error of each volume
+    #[arg(long)]
+    bound: bool,
     /// Elements that are inside out
     #[arg(long, value_enum, default_value = "fix")]
     orientation: Inverted,
@@ -108,6 +111,9 @@ impl OverlapCases {
             names.push("sphere_area".into());
             names.extend((0..kind.faces().len()).map(|f| format!("f{f}_area")));
             names.extend(["gradient_x", "gradient_y", "gradient_z"].map(String::from));
+            if self.bound {
+                names.push("volume_error".into());
+            }
         }
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         if let Some(name) = names.iter().find(|name| table.has(name)) {
@@ -116,7 +122,7 @@ impl OverlapCases {
                 self.cases.display()
             );
         }
-        let case = |row: usize| -> anyhow::Result<(Vec<f64>, bool)> {
+        let case = |row: usize| -> anyhow::Result<(Vec<f64>, Option<Precision>)> {
             let place = || format!("{}:{}", self.cases.display(), table.line(row));
             let at = |columns: &[Vec<f64>; 3]| [columns[0][row], columns[1][row], columns[2][row]];
             let ball = Ball::new(at(&centre), radius[row]).map_err(|e| anyhow!("{}: {e}", place()))?;
@@ -125,34 +131,38 @@ impl OverlapCases {
                 .map_err(|e| anyhow!("{}: {e}\n  check the coordinates, --element and --order", place()))?;
             if self.method != Method::Kernel {
                 let volume = self.by_other_method(kind, order, points, &ball).with_context(place)?;
-                return Ok((vec![volume], false));
+                return Ok((vec![volume], None));
             }
-            let smaller = ball.volume().min(element.volume());
-            let doubtful = error_estimate(&ball, &element) > 1e-9 * smaller;
-            let result = overlap(&ball, &element);
+            let certified = certified_overlap(&ball, &element);
+            let result = certified.overlap;
             let mut numbers = vec![result.volume, result.sphere_area];
             numbers.extend(result.face_areas);
             numbers.extend(result.gradient);
-            Ok((numbers, doubtful))
+            if self.bound {
+                numbers.push(certified.volume_error);
+            }
+            Ok((numbers, Some(certified.precision)))
         };
         // All rows before the file is begun: where one fails, or the run is broken off, nothing is left behind.
-        let results: Vec<anyhow::Result<(Vec<f64>, bool)>> = (0..table.len()).into_par_iter().map(case).collect();
+        let results: Vec<anyhow::Result<(Vec<f64>, Option<Precision>)>> =
+            (0..table.len()).into_par_iter().map(case).collect();
         // The first row that failed, whatever the number of threads.
-        let results: Vec<(Vec<f64>, bool)> = results.into_iter().collect::<anyhow::Result<_>>()?;
+        let results: Vec<(Vec<f64>, Option<Precision>)> = results.into_iter().collect::<anyhow::Result<_>>()?;
         let mut writer = CsvWriter::extending(&self.out, &table, &names)?;
         for (row, (numbers, _)) in results.iter().enumerate() {
             writer.row_extending(table.row(row), numbers)?;
         }
         writer.finish()?;
-        let doubtful = results.iter().filter(|r| r.1).count();
-        if doubtful > 0 {
-            report::warn(&format!(
-                "in {doubtful} of {} cases the error may exceed 1e-9 of the smaller volume: flat elements, or balls \
-                 much larger than the element, are beyond 64-bit floats",
-                table.len()
-            ));
-        }
-        report::print(&format!("cases                {}\nwritten to           {}\n", table.len(), self.out.display()))
+        let beyond = results.iter().filter(|r| r.1.is_some_and(|p| p > Precision::F64)).count();
+        let beyond = match self.method {
+            Method::Kernel => format!("beyond 64 bits       {beyond}\n"),
+            _ => String::new(),
+        };
+        report::print(&format!(
+            "cases                {}\n{beyond}written to           {}\n",
+            table.len(),
+            self.out.display()
+        ))
     }
 
     /// The element as a mesh of one cell, so that every method of `fraction` serves here too.
