@@ -9,7 +9,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use fieldstone::fields::{Method, NeumaierSum, SolidFractionOptions, Weights, solid_fraction};
-use fieldstone::geometry::{Ball, Orientation, Polyhedron, error_estimate, overlap, overlap_volume};
+use fieldstone::geometry::{Ball, Orientation, Polyhedron, fast_overlap_volume, overlap, overlap_volume};
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtu};
 use fieldstone::io::{ParticleOptions, read_frame, read_mesh};
 use fieldstone::mesh::{Cells, Grid, Mesh, Patch};
@@ -285,7 +285,7 @@ impl Comparison {
             let volume = volumes.binary_search_by_key(&cell, |v| v.0).map_or(0.0, |k| volumes[k].1);
             let found = all.binary_search_by_key(&cell, |f| f.cell).map(|k| all[k]);
             let (other, sphere) = found.map_or((0.0, 0.0), |f| (f.volume, f.sphere_area));
-            let estimate = error_estimate(alone, &elements[at]).max(1e-15 * smaller);
+            let estimate = fast_overlap_volume(alone, &elements[at]).1.max(1e-15 * smaller);
             for volume in [volume, other] {
                 let apart = (volume - expected.volume).abs();
                 self.volume = self.volume.max(apart / smaller);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::fields::{Method, Weights};
-use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, error_estimate, overlap};
+use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, certified_overlap};
 use fieldstone::io::{CsvTable, CsvWriter};
 use fieldstone::mesh::{CellList, Mesh};
 use fieldstone::particles::Particles;
@@ -123,8 +123,9 @@ impl OverlapCases {
                 return Ok((vec![volume], false));
             }
             let smaller = ball.volume().min(element.volume());
-            let doubtful = error_estimate(&ball, &element) > 1e-9 * smaller;
-            let result = overlap(&ball, &element);
+            let certified = certified_overlap(&ball, &element);
+            let doubtful = certified.volume_error > 1e-9 * smaller;
+            let result = certified.overlap;
             let mut numbers = vec![result.volume, result.sphere_area];
             numbers.extend(result.face_areas);
             numbers.extend(result.gradient);
@@ -143,7 +144,7 @@ impl OverlapCases {
         if doubtful > 0 {
             report::warn(&format!(
                 "in {doubtful} of {} cases the error may exceed 1e-9 of the smaller volume: flat elements, or balls \
-                 much larger than the element, are beyond 64-bit floats",
+                 much larger than the element, beyond what 256 bits hold",
                 table.len()
             ));
         }
