@@ -125,7 +125,7 @@ impl OverlapBatch {
             Placement::AllOfPolyhedron => return Some(element.volume()),
             Placement::Unknown => {}
         }
-        let centre = DVec3::from(ball.centre());
+        let centre = DVec3::from(ball.centre()) - element.origin();
         let scale = 1.0 / ball.radius();
         self.shifted.clear();
         self.shifted.extend(element.vertices().iter().map(|&v| (v - centre) * scale));

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::double_double::DoubleDouble;
+use crate::double_double::{DoubleDouble, two_sum};
 use crate::polygon::{flatness, polygon_centroid, polygon_warp, warp_bound};
 use crate::{CornerOrder, ElementKind, Vector};
 
@@ -130,7 +130,9 @@ pub(crate) struct Piece {
 #[derive(Debug, Clone)]
 pub struct Polyhedron {
     kind: ElementKind,
-    /// Corners, then the centroids that warped faces are fanned around.
+    /// What has been taken from all coordinates, without rounding.
+    origin: DVec3,
+    /// Corners, then the centroids that warped faces are fanned around; relative to the origin.
     vertices: Vec<DVec3>,
     corner_count: usize,
     pub(crate) pieces: Vec<Piece>,
@@ -245,7 +247,7 @@ impl Polyhedron {
                 return Err(ElementError::CoincidentCorners { first, second: corner, at });
             }
         }
-        let positions: Vec<DVec3> = corners.iter().map(|&p| DVec3::from(p)).collect();
+        let (origin, positions) = localised(corners);
         let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size = (high - low).max_element();
@@ -253,6 +255,7 @@ impl Polyhedron {
         let mut this = Self {
             kind,
             corner_count: corners.len(),
+            origin,
             vertices: positions,
             pieces: Vec::with_capacity(faces.len()),
             piece_corners: Vec::new(),
@@ -380,10 +383,15 @@ impl Polyhedron {
 
     /// Corners, in CGNS order for standard kinds.
     pub fn corners(&self) -> impl ExactSizeIterator<Item = [f64; 3]> + '_ {
-        self.vertices[..self.corner_count].iter().map(|v| v.to_array())
+        self.vertices[..self.corner_count].iter().map(|&v| (self.origin + v).to_array())
     }
 
-    /// Corners and the centroids of warped faces.
+    /// What has been taken from the coordinates of [`Polyhedron::vertices`] and [`Polyhedron::low_high`].
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Corners and the centroids of warped faces, relative to the origin.
     pub(crate) fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
@@ -402,9 +410,10 @@ impl Polyhedron {
     /// Lower and upper corner of the axis-parallel box around it.
     #[inline]
     pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        (self.low.to_array(), self.high.to_array())
+        ((self.origin + self.low).to_array(), (self.origin + self.high).to_array())
     }
 
+    /// The box around it, relative to the origin.
     pub(crate) fn low_high(&self) -> (DVec3, DVec3) {
         (self.low, self.high)
     }
@@ -424,6 +433,21 @@ impl Polyhedron {
     pub fn has_warped_faces(&self) -> bool {
         self.vertices.len() > self.corner_count
     }
+}
+
+/// Corners relative to the first one, and that one, where this loses nothing; else as they are, and 0.
+///
+/// Far from the origin of the coordinates the centroids of warped faces would otherwise be rounded to what little the
+/// coordinates resolve, and with them the volume.
+fn localised(corners: &[[f64; 3]]) -> (DVec3, Vec<DVec3>) {
+    let plain = || corners.iter().map(|&p| DVec3::from(p)).collect();
+    let Some(&first) = corners.first() else { return (DVec3::ZERO, plain()) };
+    let exact = corners.iter().all(|p| (0..3).all(|k| two_sum(p[k], -first[k]).1 == 0.0));
+    if !exact {
+        return (DVec3::ZERO, plain());
+    }
+    let origin = DVec3::from(first);
+    (origin, corners.iter().map(|&p| DVec3::from(p) - origin).collect())
 }
 
 fn is_convex_quadrilateral(points: &[[f64; 3]], normal: DVec3) -> bool {

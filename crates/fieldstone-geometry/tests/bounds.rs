@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_geometry::{
-    Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, Precision, certified_overlap, fast_overlap,
-    overlap_in,
+    Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, PROMISE, Polyhedron, Precision, certified_overlap,
+    fast_overlap, overlap_in, overlap_volume,
 };
 
 /// SplitMix64.

@@ -98,6 +98,13 @@ fn files_of_another_kind_are_told_from_meshes_and_particles() {
     ] {
         mentions(&folder.fails(&format!("fraction --mesh {mesh} --particles balls.csv --out out.vtu")), &parts);
     }
+    // Results of an earlier run, in the wrong place.
+    folder.succeeds("fraction --mesh case --particles balls.csv --out result.vtu");
+    let message = folder.fails("fraction --mesh case --particles result.vtu --radius 0.1 --out out.vtu");
+    mentions(&message, &["result.vtu: the file holds a mesh of volume cells", "give it as the mesh"]);
+    folder.succeeds("fraction --grid 0,1,0,1,0,1 --cells 2,2,2 --particles balls.csv --out result.vti");
+    let message = folder.fails("fraction --mesh result.vti --particles balls.csv --out out.vtu");
+    mentions(&message, &["result.vti: the file holds a regular grid", "--grid and --cells"]);
     for (particles, parts) in [
         ("contacts.dump", ["contacts.dump:3: this is a dump local", "give a dump custom"]),
         ("surface.stl", ["this looks like a file of triangles", "readable here: LIGGGHTS"]),

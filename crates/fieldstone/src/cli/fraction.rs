@@ -12,7 +12,7 @@ use fieldstone::fields::{
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
-use fieldstone::io::{AtomicFile, DataArray, write_csv};
+use fieldstone::io::{AtomicFile, DataArray, IoError, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
 use fieldstone::particles::Particles;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -387,7 +387,16 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     for (name, dimensions, values) in list {
         let field = VolField { name, dimensions, components: 1, values };
         let written = write_vol_field(&staged, &field, mesh.cell_count(), &mesh.parts().patches, encoding);
-        files.push((written.with_context(|| format!("{}: cannot write", path.display()))?, path.join(name)));
+        let target = path.join(name);
+        // The staging folder means nothing to the user.
+        let written = written.map_err(|error| match error {
+            IoError::System { action, source, .. } => IoError::System { path: target.clone(), action, source },
+            IoError::Content { position, found, remedy, .. } => {
+                IoError::Content { path: target.clone(), position, found, remedy }
+            }
+            other => other,
+        })?;
+        files.push((written, target));
     }
     if !path.is_dir() {
         std::fs::create_dir(path).with_context(|| format!("{}: cannot make the folder", path.display()))?;
