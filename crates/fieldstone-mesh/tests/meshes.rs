@@ -168,6 +168,29 @@ proptest! {
     }
 
     #[test]
+    fn centres_on_or_next_to_faces_edges_and_corners_are_no_special_case(
+        twelfths in prop::array::uniform3(0i32..=12),
+        nudge in prop::array::uniform3(-1.0f64..1.0),
+        size in prop::sample::select(vec![0.0, 1e-17, 1e-12, 1e-9, 1e-5, 2e-3, 5e-3]),
+        radius in prop::sample::select(vec![0.05, 1.0 / 12.0, 0.25, 1.0 / 3.0, 0.5]),
+        jitter in prop::sample::select(vec![0.0, 0.3]),
+        seed: u64,
+    ) {
+        let centre = std::array::from_fn(|k| f64::from(twelfths[k]) / 12.0 + size * nudge[k]);
+        compare_with_elements(&hexahedra(3, jitter, seed), &Ball::new(centre, radius).unwrap())?;
+        // And next to corners, edge middles and face centres of cells that are bent.
+        let bent = hexahedra(3, 0.3, seed);
+        let corners: Vec<[f64; 3]> =
+            bent.cell_corners(13).unwrap().iter().map(|&k| bent.parts().points[k as usize]).collect();
+        for take in [1, 2, 4] {
+            let mean: [f64; 3] =
+                std::array::from_fn(|k| corners[..take].iter().map(|c| c[k]).sum::<f64>() / take as f64);
+            let centre = std::array::from_fn(|k| mean[k] + size * nudge[k]);
+            compare_with_elements(&bent, &Ball::new(centre, radius).unwrap())?;
+        }
+    }
+
+    #[test]
     fn mixed_elements_agree_too(centre in prop::array::uniform3(-0.2f64..2.5), radius in 0.02f64..2.0) {
         compare_with_elements(&mixed(), &Ball::new(centre, radius).unwrap())?;
     }
