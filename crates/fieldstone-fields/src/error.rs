@@ -36,7 +36,7 @@ pub enum FieldsError {
     },
     /// A method's name is not known.
     #[error(
-        "there is no method '{0}'; choose one of kernel, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"
+        "there is no method '{0}'; choose one of kernel, kernel-f64, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"
     )]
     UnknownMethod(String),
     /// No particle reaches any cell.
@@ -56,7 +56,7 @@ pub enum FieldsError {
         mesh_high: [f64; 3],
     },
     /// A parcel weight is not usable.
-    #[error("particle {particle} has parcel weight {value}; weights must be between 0 and 1e100")]
+    #[error("particle {particle} has parcel weight {value:?}; weights must be between 0 and 1e100")]
     ParcelWeight {
         /// Index of the particle, from 0.
         particle: usize,

@@ -21,4 +21,8 @@ pub struct Ledger {
     /// Cells with a solid fraction above 1 (by more than 1e-12): particles that overlap each other, or an
     /// approximation at work.
     pub cells_above_one: usize,
+    /// Overlaps evaluated, not counting cells clearly inside or outside a ball (exact kernel only).
+    pub overlaps: u64,
+    /// Of these, how many needed more digits than `f64` has to keep the promised accuracy.
+    pub beyond_f64: u64,
 }

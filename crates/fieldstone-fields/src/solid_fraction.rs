@@ -120,6 +120,8 @@ pub fn solid_fraction_observed<C: Cells>(
         clipped_volume: total(weights.outside()),
         max_solid_fraction: exact.iter().copied().fold(0.0, f64::max),
         cells_above_one: exact.iter().filter(|&&f| f > 1.0 + 1e-12).count(),
+        overlaps: weights.path_counts().evaluated,
+        beyond_f64: weights.path_counts().beyond_f64,
     };
     let changed = options.smoothing_length != 0.0 || options.cap.is_some();
     let mut fraction = exact.clone();

@@ -1,7 +1,7 @@
 //! The volume that each particle has in each cell, as a sparse matrix.
 
 use fieldstone_geometry::Ball;
-use fieldstone_mesh::Cells;
+use fieldstone_mesh::{Cells, PathCounts};
 use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
@@ -36,6 +36,7 @@ pub struct Weights {
     balls: Vec<f64>,
     outside: Vec<f64>,
     cell_count: usize,
+    paths: PathCounts,
 }
 
 struct Block {
@@ -43,6 +44,7 @@ struct Block {
     pairs: Vec<(u32, f64)>,
     balls: Vec<f64>,
     outside: Vec<f64>,
+    paths: PathCounts,
 }
 
 impl Weights {
@@ -76,41 +78,57 @@ impl Weights {
         let radii = particles.radii()?;
         let positions = particles.positions();
         let binning = Binning::new(cells, method)?;
-        let blocks: Vec<Block> = (0..positions.len().div_ceil(BLOCK))
-            .into_par_iter()
+        let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
+        let blocks: Vec<Block> = order
+            .par_chunks(BLOCK)
             .map_init(
-                || cells.scratch(),
-                |scratch, block| {
-                    let range = block * BLOCK..positions.len().min((block + 1) * BLOCK);
-                    let count = range.len();
-                    let block = bin_block(&binning, range, positions, radii, domain, scratch);
-                    done(count);
-                    block
+                || binning.scratch(),
+                |scratch, particles| {
+                    let before = binning.path_counts(scratch);
+                    let mut block = bin_block(&binning, particles, positions, radii, domain, scratch)?;
+                    let after = binning.path_counts(scratch);
+                    block.paths = PathCounts {
+                        evaluated: after.evaluated - before.evaluated,
+                        beyond_f64: after.beyond_f64 - before.beyond_f64,
+                    };
+                    done(particles.len());
+                    Ok::<_, FieldsError>(block)
                 },
             )
             .collect::<Result<_, _>>()?;
 
-        let mut this = Self {
-            ends: Vec::with_capacity(positions.len()),
-            cells: Vec::with_capacity(blocks.iter().map(|b| b.pairs.len()).sum()),
-            volumes: Vec::new(),
-            balls: Vec::with_capacity(positions.len()),
-            outside: Vec::with_capacity(positions.len()),
-            cell_count: cells.cell_count(),
-        };
-        this.volumes.reserve(this.cells.capacity());
-        let mut end = 0;
-        for block in blocks {
-            for count in block.counts {
-                end += count;
-                this.ends.push(end);
+        // Back into the order of the particles: first the length of each row, then what is in it.
+        let mut ends = vec![0; positions.len()];
+        let mut paths = PathCounts::default();
+        let (mut balls, mut outside) = (vec![0.0; positions.len()], vec![0.0; positions.len()]);
+        for (particles, block) in order.chunks(BLOCK).zip(&blocks) {
+            paths.evaluated += block.paths.evaluated;
+            paths.beyond_f64 += block.paths.beyond_f64;
+            for (k, &particle) in particles.iter().enumerate() {
+                ends[particle] = block.counts[k];
+                balls[particle] = block.balls[k];
+                outside[particle] = block.outside[k];
             }
-            this.cells.extend(block.pairs.iter().map(|p| p.0));
-            this.volumes.extend(block.pairs.iter().map(|p| p.1));
-            this.balls.extend(block.balls);
-            this.outside.extend(block.outside);
         }
-        Ok(this)
+        let mut end = 0;
+        for entry in &mut ends {
+            end += *entry;
+            *entry = end;
+        }
+        let (mut all_cells, mut volumes) = (vec![0; end], vec![0.0; end]);
+        for (particles, block) in order.chunks(BLOCK).zip(blocks) {
+            let mut pairs = &block.pairs[..];
+            for (&particle, &count) in particles.iter().zip(&block.counts) {
+                let (row, rest) = pairs.split_at(count);
+                pairs = rest;
+                let start = ends[particle] - count;
+                for (k, &(cell, volume)) in row.iter().enumerate() {
+                    all_cells[start + k] = cell;
+                    volumes[start + k] = volume;
+                }
+            }
+        }
+        Ok(Self { ends, cells: all_cells, volumes, balls, outside, cell_count: cells.cell_count(), paths })
     }
 
     /// Number of particles (rows).
@@ -155,6 +173,11 @@ impl Weights {
         &self.outside
     }
 
+    /// How many overlaps were evaluated, and how many of them needed more digits than `f64` has.
+    pub fn path_counts(&self) -> PathCounts {
+        self.paths
+    }
+
     /// For each cell the sum over particles of volume × value.
     ///
     /// $$ s_c = \sum_i V_{c \cap i} \, q_i $$
@@ -184,7 +207,9 @@ impl Weights {
             }
             start = end;
         }
-        Ok((0..self.cell_count).into_par_iter().map(|cell| terms[ends[cell]..ends[cell + 1]].iter().sum()).collect())
+        // Not `sum`: that of no terms is -0, which files would show.
+        let total = |cell: usize| terms[ends[cell]..ends[cell + 1]].iter().fold(0.0, |sum, term| sum + term);
+        Ok((0..self.cell_count).into_par_iter().map(total).collect())
     }
 
     /// For each particle the average of a cell field over the part of the particle that lies in cells.
@@ -213,17 +238,60 @@ pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) ->
     if found == expected { Ok(()) } else { Err(FieldsError::Length { what, found, expected }) }
 }
 
+/// The particles in an order in which neighbours in the list are neighbours in space.
+///
+/// A simulation lists them in any order. The cells and faces around a ball are some kilobytes, and a mesh of any size
+/// is beyond the caches: in the order of the list every ball would wait for memory.
+///
+/// The order is Morton's curve through 1024³ boxes around all particles, equal boxes by number.
+fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    // Boxes are cubes: a flat layer of particles is walked as a layer.
+    let extent = (0..3).map(|k| high[k] - low[k]).fold(f64::MIN_POSITIVE, f64::max);
+    let mut keyed: Vec<(u32, usize)> = positions
+        .par_iter()
+        .enumerate()
+        .map(|(particle, p)| {
+            let key = (0..3).fold(0, |key, k| key | spread_bits(((p[k] - low[k]) / extent * 1023.0) as u32) << k);
+            (key, particle)
+        })
+        .collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|(_, particle)| particle).collect()
+}
+
+/// The lowest ten bits, two zeros between each and the next.
+fn spread_bits(x: u32) -> u32 {
+    let x = x.min(1023);
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
+
 fn bin_block<C: Cells>(
     binning: &Binning<'_, C>,
-    range: std::ops::Range<usize>,
+    particles: &[usize],
     positions: &[[f64; 3]],
     radii: &[f64],
     domain: Option<&Domain>,
     scratch: &mut C::Scratch,
 ) -> Result<Block, FieldsError> {
-    let mut block = Block { counts: Vec::new(), pairs: Vec::new(), balls: Vec::new(), outside: Vec::new() };
+    let mut block = Block {
+        counts: Vec::new(),
+        pairs: Vec::new(),
+        balls: Vec::new(),
+        outside: Vec::new(),
+        paths: PathCounts::default(),
+    };
     let mut row = Vec::new();
-    for particle in range {
+    for &particle in particles {
         row.clear();
         // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
         if !(1e-100..=1e100).contains(&radii[particle]) {
@@ -268,4 +336,55 @@ fn merge_equal_cells(row: &mut Vec<(u32, f64)>) {
         }
     }
     row.truncate(kept + 1);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fieldstone_geometry::{CornerOrder, ElementKind};
+    use fieldstone_mesh::{CellList, Mesh};
+
+    /// 4³ unit cubes.
+    fn mesh_of_cubes() -> Mesh {
+        let points = (0..125).map(|p| [p % 5, p / 5 % 5, p / 25].map(f64::from)).collect();
+        let mut cells = CellList::new();
+        for at in (0..125u32).filter(|p| p % 5 < 4 && p / 5 % 5 < 4 && p / 25 < 4) {
+            let corners = [0, 1, 6, 5, 25, 26, 31, 30].map(|step| at + step);
+            cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &corners).unwrap();
+        }
+        Mesh::from_cells(points, cells).unwrap()
+    }
+
+    #[test]
+    fn particles_listed_in_another_order_get_the_same_rows() {
+        let cells = mesh_of_cubes();
+        // More than one block, all over the box, and two of them at the same place.
+        let mut positions: Vec<[f64; 3]> =
+            (0..500).map(|i| [7, 11, 13].map(|step| f64::from(i * step % 397) / 100.0)).collect();
+        positions[499] = positions[3];
+        let radii: Vec<f64> = (0..500).map(|i| 0.1 + 0.001 * f64::from(i)).collect();
+        let build = |positions: Vec<[f64; 3]>, radii: Vec<f64>| {
+            let particles = Particles::new(positions).unwrap().with_radii(radii).unwrap();
+            Weights::build(&cells, &particles, Method::Kernel, None).unwrap()
+        };
+        let reversed = build(positions.iter().rev().copied().collect(), radii.iter().rev().copied().collect());
+        let forward = build(positions, radii);
+        for particle in 0..500 {
+            assert_eq!(forward.row(particle), reversed.row(499 - particle));
+            assert_eq!(forward.particle_volumes()[particle], reversed.particle_volumes()[499 - particle]);
+            assert_eq!(forward.outside()[particle], reversed.outside()[499 - particle]);
+        }
+    }
+
+    #[test]
+    fn the_curve_visits_every_particle_once_also_in_a_plane_or_at_one_point() {
+        for spread in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0; 3]] {
+            let positions: Vec<[f64; 3]> =
+                (0..1000).map(|i| [0, 1, 2].map(|k| spread[k] * f64::from(i * (2 * k as i32 + 7) % 101))).collect();
+            let mut order = along_a_curve(&positions);
+            order.sort_unstable();
+            assert_eq!(order, (0..1000).collect::<Vec<_>>());
+        }
+        assert!(along_a_curve(&[]).is_empty());
+    }
 }

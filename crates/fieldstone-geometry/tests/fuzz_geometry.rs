@@ -1,6 +1,6 @@
 //! Adversarial pairs by the million: nearly tangent, tiny edges, slivers, centres on corners, edges and faces, lattices.
 //!
-//! By default 4,000; `FIELDSTONE_FUZZ_PAIRS=1000000` or `FIELDSTONE_FUZZ_SECONDS=600` for a night, with
+//! By default 2,000; `FIELDSTONE_FUZZ_PAIRS=1000000` or `FIELDSTONE_FUZZ_SECONDS=600` for a night, with
 //! `FIELDSTONE_FUZZ_SEED` for other ones:
 //!
 //!     FIELDSTONE_FUZZ_SECONDS=600 cargo test --release -p fieldstone-geometry --test fuzz_geometry -- --nocapture
@@ -139,7 +139,7 @@ fn radius(shape: &Shape, centre: Point, random: &mut Random) -> (&'static str, f
 fn adversarial_pairs_keep_all_invariants() {
     let from_environment = |name: &str| std::env::var(name).ok().map(|n| n.parse::<u64>().unwrap());
     let seconds = from_environment("FIELDSTONE_FUZZ_SECONDS").map(Duration::from_secs);
-    let pairs = from_environment("FIELDSTONE_FUZZ_PAIRS").unwrap_or(if seconds.is_some() { u64::MAX } else { 4_000 });
+    let pairs = from_environment("FIELDSTONE_FUZZ_PAIRS").unwrap_or(if seconds.is_some() { u64::MAX } else { 2_000 });
     let seed = from_environment("FIELDSTONE_FUZZ_SEED").unwrap_or(1);
     let start = Instant::now();
     let mut seeds = Random(seed);
@@ -180,7 +180,6 @@ fn adversarial_pairs_keep_all_invariants() {
 }
 
 #[test]
-#[ignore = "the bound of f64 weighs faces by their area inside the ball, which is next to nothing here"]
 fn the_bound_holds_for_a_tiny_ball_that_touches_a_large_element_at_a_corner() {
     let tetrahedron = Polyhedron::tetrahedron([
         [0.0, 0.0, 0.0],

@@ -23,7 +23,7 @@ fn placement() -> impl Strategy<Value = (Point, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, max_global_rejects: 100_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4_000, failure_persistence: None, max_global_rejects: 100_000, ..ProptestConfig::default() })]
 
     #[test]
     fn generic_pairs_keep_all_invariants(kind in kind(), seed: u64, (centre, r) in placement()) {

@@ -51,7 +51,7 @@ impl Fault {
             ),
             Self::Radius { column, value } => (
                 format!("{} is {value}; sizes must be above 0 and finite", name(column)),
-                "remove point particles from the file".into(),
+                "correct the row, or remove it where it is a point particle".into(),
             ),
             Self::Differs { column, earlier } => (
                 format!("{} holds another value than column {} of the same name", name(column), earlier + 1),

@@ -97,14 +97,15 @@ impl Write for AtomicFile {
 impl Write for Sink {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         match self {
-            Self::Temporary(file) => file.write(bytes),
+            // Not the wrapper itself, whose errors name the temporary file.
+            Self::Temporary(file) => file.as_file_mut().write(bytes),
             Self::Device(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Self::Temporary(file) => file.flush(),
+            Self::Temporary(file) => file.as_file_mut().flush(),
             Self::Device(file) => file.flush(),
         }
     }

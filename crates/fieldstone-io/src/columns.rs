@@ -390,7 +390,7 @@ pub(crate) fn non_spherical(names: &[String]) -> Option<(String, String)> {
             None
         }
     })?;
-    let remedy =
-        "only balls are read; to take each row as a ball of its own all the same, allow non-spherical particles";
+    let remedy = "only balls are read; to take each row as a ball of its own all the same, allow non-spherical particles \
+         (--allow-non-spherical)";
     Some((format!("column '{column}' says that the particles are {what}"), remedy.into()))
 }

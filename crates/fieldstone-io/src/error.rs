@@ -105,7 +105,7 @@ impl IoError {
 /// What to do about a refusal of the operating system, where that can be said.
 fn advice(kind: ErrorKind) -> &'static str {
     match kind {
-        ErrorKind::NotFound => "\n  check the name; relative ones count from the folder that the program runs in",
+        ErrorKind::NotFound => "\n  check the name; a relative one starts at the current folder",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "\n  check the permissions, or give another place"
         }

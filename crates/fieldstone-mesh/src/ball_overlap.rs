@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use fieldstone_geometry::{Ball, Vector, volume_from_terms};
+use fieldstone_geometry::{Ball, ErrorBound, PROMISE, Vector, overlap_volume, volume_from_terms};
 use glam::DVec3;
 
-use crate::Mesh;
 use crate::surface::FaceSum;
+use crate::{Mesh, PathCounts};
 
 /// Volumes below this, in units of the radius cubed, do not tell by their sign whether the centre is in the cell.
 const UNDECIDED: f64 = 1e-9;
@@ -23,6 +23,10 @@ enum Way {
 /// A face had to be evaluated from outside: start the ball again that way.
 struct NotFromInside;
 
+/// Rounding error of the volume from inside, in units of ε r³, beyond what [`ErrorBound`] counts: angles at points as
+/// near as 1/64 radius lose six bits, though hardly all at once.
+const INSIDE_ROUNDING: f64 = 32.0;
+
 /// Working memory of [`Mesh::overlap_ball`] and its siblings: one per thread.
 ///
 /// Grows to one entry per face of the mesh; nothing has to be cleared between balls.
@@ -35,6 +39,8 @@ pub struct MeshScratch {
     candidates: Vec<u32>,
     pub(crate) ring: Vec<Vector<f64>>,
     shifted: Vec<DVec3>,
+    promise: bool,
+    pub(crate) counts: PathCounts,
     pub(crate) polygon: Vec<DVec3>,
     pub(crate) clipped: Vec<DVec3>,
 }
@@ -49,9 +55,16 @@ impl MeshScratch {
             candidates: Vec::new(),
             ring: Vec::new(),
             shifted: Vec::new(),
+            promise: true,
+            counts: PathCounts::default(),
             polygon: Vec::new(),
             clipped: Vec::new(),
         }
+    }
+
+    pub(crate) fn in_f64_alone(mut self) -> Self {
+        self.promise = false;
+        self
     }
 
     fn next_ball(&mut self) {
@@ -182,7 +195,9 @@ impl Mesh {
         let outward = self.orientation(at);
         let result = |volume, sphere_area| Ok(CellOverlap { cell, volume, sphere_area });
 
-        let inside = |k: &u32| (self.surface.vertices[*k as usize] - centre).length_squared() <= r * r;
+        // Inside by more than the rounding of the distances, which for a huge ball is more than a small cell.
+        let surely = r * r * (1.0 - 8.0 * f64::EPSILON);
+        let inside = |k: &u32| (self.surface.vertices[*k as usize] - centre).length_squared() <= surely;
         let all_inside = self.cell_vertices(at).iter().all(inside);
         if all_inside && volume_only {
             return result(whole, 0.0);
@@ -200,6 +215,8 @@ impl Mesh {
         let scale = 1.0 / r;
         let (mut volume3, mut solid_angle, mut touched) = (0.0, 0.0, false);
         let mut nearest = f64::INFINITY;
+        let [low, high] = self.bounds[at];
+        let mut bound = ErrorBound::new((centre - low).abs().max((high - centre).abs()).length() * scale);
         for (face, sign) in self.signed_faces(at) {
             if scratch.stamp[face] != scratch.ball {
                 scratch.sums[face] = match way {
@@ -214,6 +231,11 @@ impl Mesh {
             volume3 += sign * sum.volume3;
             solid_angle += sign * sum.solid_angle;
             touched |= sum.area != 0.0;
+            // From inside, a face out of reach adds nothing, and no error.
+            if way == Way::Outside || sum.area != 0.0 {
+                let [flatness, warp] = self.surface.shapes[face];
+                bound.add(sum.area, flatness, warp * scale);
+            }
             nearest = nearest.min(if outward * sign > 0.0 { sum.distances[0] } else { -sum.distances[1] });
         }
         if all_inside {
@@ -229,6 +251,12 @@ impl Mesh {
                 true
             } else if self.is_convex(at) {
                 false
+            } else if !touched {
+                let turns: i32 = self
+                    .signed_faces(at)
+                    .map(|(face, sign)| (outward * sign) as i32 * self.surface.crossings(face, centre))
+                    .sum();
+                turns > 0
             } else {
                 (volume3, solid_angle) = (0.0, 0.0);
                 for (face, sign) in self.signed_faces(at) {
@@ -243,7 +271,18 @@ impl Mesh {
                 solid_angle += 4.0 * PI;
             }
         }
-        let volume = volume_from_terms(ball, whole, volume3, solid_angle, touched);
+        let mut volume = volume_from_terms(ball, whole, volume3, solid_angle, touched);
+        scratch.counts.evaluated += 1;
+        if scratch.promise {
+            let rounding = if way == Way::Inside { INSIDE_ROUNDING * f64::EPSILON * r * r * r } else { 0.0 };
+            if bound.volume(r) + rounding > PROMISE * whole.min(ball.volume()) {
+                scratch.counts.beyond_f64 += 1;
+                // A cell that cannot stand alone (points that coincide) keeps what f64 gives.
+                if let Ok(alone) = self.polyhedron(at) {
+                    volume = overlap_volume(ball, &alone);
+                }
+            }
+        }
         let sphere_area = if touched {
             (solid_angle * r * r).clamp(0.0, ball.surface_area())
         } else if volume > 0.0 {

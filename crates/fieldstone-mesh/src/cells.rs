@@ -5,6 +5,15 @@ use fieldstone_geometry::{Ball, ElementKind};
 /// Receives the parts of a cell: sign, kind, corners in CGNS order. See [`Cells::for_each_element`].
 pub type ElementSink<'a> = dyn FnMut(f64, ElementKind, &[[f64; 3]]) + 'a;
 
+/// How many overlaps were evaluated, not counting cells that are clearly inside or outside a ball.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PathCounts {
+    /// Overlaps evaluated.
+    pub evaluated: u64,
+    /// Of these, how many needed more digits than `f64` has.
+    pub beyond_f64: u64,
+}
+
 /// Cells that balls, boxes and points are placed into: a [`crate::Mesh`] or a [`crate::Grid`].
 ///
 /// Volumes are reported as pairs (cell, volume), sorted by cell, without zeros; what of a ball lies outside all
@@ -13,8 +22,21 @@ pub trait Cells: Sync {
     /// Working memory of one thread.
     type Scratch: Send;
 
-    /// Working memory for this set of cells.
+    /// Whether finding the cells around a place reads memory that belongs to that place.
+    ///
+    /// If so, balls that follow each other should be neighbours, or each waits for memory. `false` for cells that are
+    /// found by arithmetic.
+    const PLACES_IN_MEMORY: bool = true;
+
+    /// Working memory for this set of cells. Volumes computed with it keep [`fieldstone_geometry::PROMISE`].
     fn scratch(&self) -> Self::Scratch;
+
+    /// Working memory with which balls are evaluated in `f64` alone: faster by far for balls much larger than the cells,
+    /// with errors of some 1e-15 r³ per cell.
+    fn fast_scratch(&self) -> Self::Scratch;
+
+    /// How often balls have been evaluated with this working memory, and how often `f64` was not enough.
+    fn path_counts(&self, scratch: &Self::Scratch) -> PathCounts;
 
     /// Number of cells.
     fn cell_count(&self) -> usize;

@@ -1,9 +1,9 @@
 //! Cartesian grids: cells by arithmetic, ball overlaps by the closed form for boxes.
 
-use fieldstone_geometry::{Ball, ElementKind, corner_volume};
+use fieldstone_geometry::{Ball, ElementKind, PROMISE, Polyhedron, corner_volume, overlap_volume};
 
 use crate::cells::ElementSink;
-use crate::{Cells, MeshError};
+use crate::{Cells, MeshError, PathCounts};
 
 /// A grid of equal boxes; cells are numbered with x fastest.
 ///
@@ -25,11 +25,16 @@ pub struct Grid {
     cells: [usize; 3],
 }
 
+/// Rounding error of the eightfold difference of [`corner_volume`], relative to r³.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Working memory of a [`Grid`]: volumes at the grid's corners around one ball.
 #[derive(Debug, Clone, Default)]
 pub struct GridScratch {
     planes: [Vec<f64>; 3],
     nodes: Vec<f64>,
+    fast: bool,
+    counts: PathCounts,
 }
 
 impl Grid {
@@ -133,8 +138,18 @@ impl Grid {
 impl Cells for Grid {
     type Scratch = GridScratch;
 
+    const PLACES_IN_MEMORY: bool = false;
+
     fn scratch(&self) -> GridScratch {
         GridScratch::default()
+    }
+
+    fn fast_scratch(&self) -> GridScratch {
+        GridScratch { fast: true, ..GridScratch::default() }
+    }
+
+    fn path_counts(&self, scratch: &GridScratch) -> PathCounts {
+        scratch.counts
     }
 
     fn cell_count(&self) -> usize {
@@ -182,13 +197,19 @@ impl Cells for Grid {
                     let cell = self.cell_at([spans[0][0] + i, spans[1][0] + j, spans[2][0] + k]);
                     let (dx, dy, dz) = (far(xs, i), far(ys, j), far(zs, k));
                     let whole = self.cell_volume(cell);
-                    let volume = if dx * dx + dy * dy + dz * dz <= 1.0 {
+                    let volume = if dx * dx + dy * dy + dz * dz <= 1.0 - 8.0 * f64::EPSILON {
                         whole
                     } else {
                         let n = |di: usize, dj: usize, dk: usize| nodes[(i + di) + nx * ((j + dj) + ny * (k + dk))];
                         let top = (n(1, 1, 1) - n(0, 1, 1)) - (n(1, 0, 1) - n(0, 0, 1));
                         let bottom = (n(1, 1, 0) - n(0, 1, 0)) - (n(1, 0, 0) - n(0, 0, 0));
-                        ((top - bottom) * r3).clamp(0.0, whole.min(ball.volume()))
+                        scratch.counts.evaluated += 1;
+                        if ROUNDING * r3 <= PROMISE * whole.min(ball.volume()) || scratch.fast {
+                            ((top - bottom) * r3).clamp(0.0, whole.min(ball.volume()))
+                        } else {
+                            scratch.counts.beyond_f64 += 1;
+                            self.overlap_cell(ball, cell)
+                        }
                     };
                     let apart = gap(xs, i).powi(2) + gap(ys, j).powi(2) + gap(zs, k).powi(2) >= 1.0;
                     if volume > 0.0 && !apart {
@@ -259,6 +280,15 @@ impl Cells for Grid {
         let order = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let corners = order.map(|at: [usize; 3]| [0, 1, 2].map(|k| sides[k][at[k]]));
         visit(1.0, ElementKind::Hexahedron, &corners);
+    }
+}
+
+impl Grid {
+    /// Overlap with one cell by the general kernel, in as many digits as it takes.
+    fn overlap_cell(&self, ball: &Ball, cell: usize) -> f64 {
+        let (low, high) = self.cell_bounds(cell);
+        // Cells are boxes by construction; one too thin for its coordinates holds nothing.
+        Polyhedron::cuboid(low, high).map_or(0.0, |cell| overlap_volume(ball, &cell))
     }
 }
 

@@ -22,7 +22,7 @@ mod surface;
 
 pub use ball_overlap::{CellOverlap, MeshScratch};
 pub use cell_list::CellList;
-pub use cells::{Cells, ElementSink};
+pub use cells::{Cells, ElementSink, PathCounts};
 pub use error::MeshError;
 pub use grid::{Grid, GridScratch};
 pub use mesh::{Mesh, MeshParts, Patch, Zone};

@@ -4,13 +4,21 @@ use fieldstone_geometry::{Ball, ElementKind};
 use glam::DVec3;
 
 use crate::cells::ElementSink;
-use crate::{Cells, Mesh, MeshScratch};
+use crate::{Cells, Mesh, MeshScratch, PathCounts};
 
 impl Cells for Mesh {
     type Scratch = MeshScratch;
 
     fn scratch(&self) -> MeshScratch {
         MeshScratch::new(self)
+    }
+
+    fn fast_scratch(&self) -> MeshScratch {
+        MeshScratch::new(self).in_f64_alone()
+    }
+
+    fn path_counts(&self, scratch: &MeshScratch) -> PathCounts {
+        scratch.counts
     }
 
     fn cell_count(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fieldstone_geometry::{
-    FaceTerms, PLANARITY, Vector, face_terms, polygon_area_vector, polygon_centroid, polygon_warp,
+    FaceTerms, PLANARITY, Vector, face_terms, flatness, polygon_area_vector, polygon_centroid, polygon_warp,
 };
 use glam::DVec3;
 
@@ -44,6 +44,8 @@ pub(crate) struct Surface {
     planes: Vec<(DVec3, DVec3)>,
     /// Whether a piece turns left at every corner, by more than rounding.
     convex: Vec<bool>,
+    /// Largest flatness and warp of each face's pieces, for the bound of the rounding error.
+    pub shapes: Vec<[f64; 2]>,
     /// Area-weighted centroid of each face.
     pub centroids: Vec<DVec3>,
     /// Area vector of each face.
@@ -61,6 +63,7 @@ impl Surface {
             corners: Vec::with_capacity(parts.face_points.len()),
             planes: Vec::with_capacity(faces),
             convex: Vec::with_capacity(faces),
+            shapes: Vec::with_capacity(faces),
             centroids: Vec::with_capacity(faces),
             area_vectors: Vec::with_capacity(faces),
             warped_faces: 0,
@@ -68,14 +71,13 @@ impl Surface {
         let mut points = Vec::new();
         for face in 0..faces {
             let ring = parts.face(face);
+            this.shapes.push([1.0, 0.0]);
             points.clear();
             points.extend(ring.iter().map(|&k| parts.points[k as usize]));
             let centroid = DVec3::from(polygon_centroid(&points));
             this.centroids.push(centroid);
             this.area_vectors.push(DVec3::from(polygon_area_vector(&points)));
-            let diameter =
-                points.iter().map(|&p| (DVec3::from(p) - DVec3::from(points[0])).length()).fold(0.0, f64::max);
-            if polygon_warp(&points) <= PLANARITY * diameter {
+            if polygon_warp(&points) <= PLANARITY * extent(&points) {
                 this.push_piece(ring);
             } else {
                 this.warped_faces += 1;
@@ -94,6 +96,13 @@ impl Surface {
         let points: Vec<[f64; 3]> = ring.iter().map(|&k| self.vertices[k as usize].to_array()).collect();
         // A piece without area has no normal and contributes nothing to either side.
         let Some(normal) = DVec3::from(polygon_area_vector(&points)).try_normalize() else { return };
+        if let Some([flattest, warp]) = self.shapes.last_mut() {
+            *flattest = flattest.max(flatness(&points));
+            // Exactness costs more than it gains here: a face within rounding of its plane keeps that rounding.
+            if ring.len() > 3 {
+                *warp = warp.max(polygon_warp(&points) + 8.0 * f64::EPSILON * extent(&points));
+            }
+        }
         self.corners.extend_from_slice(ring);
         self.piece_ends.push(self.corners.len() as u32);
         self.planes.push((self.vertices[ring[0] as usize], normal));
@@ -193,4 +202,46 @@ impl Surface {
         });
         (centre - centre.clamp(low, high)).length_squared() >= radius * radius
     }
+
+    /// How often the ray from `point` along +x leaves the owner through `face`, minus how often it enters.
+    ///
+    /// Summed over a closed cell, the number of times that it winds around the point: exact, because the two pieces
+    /// that share an edge see the very same rounded crossing. The point must not be on the face.
+    pub fn crossings(&self, face: usize, point: DVec3) -> i32 {
+        let mut sum = 0;
+        for piece in self.pieces(face) {
+            let ring = self.ring(piece);
+            let at = |k: u32| self.vertices[k as usize] - point;
+            let mut winding = 0;
+            let (mut any_ahead, mut any_behind) = (false, false);
+            let mut a = at(ring[ring.len() - 1]);
+            for &k in ring {
+                let b = at(k);
+                if b.x > 0.0 {
+                    any_ahead = true;
+                } else {
+                    any_behind = true;
+                }
+                if (a.y > 0.0) != (b.y > 0.0) {
+                    let (low, high, way) = if a.y > 0.0 { (b, a, 1) } else { (a, b, -1) };
+                    if low.z - low.y * ((high.z - low.z) / (high.y - low.y)) > 0.0 {
+                        winding += way;
+                    }
+                }
+                a = b;
+            }
+            if winding != 0 {
+                let (corner, normal) = self.planes[piece];
+                let ahead =
+                    if any_ahead && any_behind { normal.dot(corner - point) * normal.x > 0.0 } else { any_ahead };
+                sum += if ahead { winding } else { 0 };
+            }
+        }
+        sum
+    }
+}
+
+/// Largest distance of a corner from the first.
+fn extent(points: &[[f64; 3]]) -> f64 {
+    points.iter().map(|&p| (DVec3::from(p) - DVec3::from(points[0])).length()).fold(0.0, f64::max)
 }

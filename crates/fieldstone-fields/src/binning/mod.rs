@@ -6,7 +6,7 @@ mod decomposition;
 mod points;
 
 use fieldstone_geometry::Ball;
-use fieldstone_mesh::Cells;
+use fieldstone_mesh::{Cells, PathCounts};
 
 use crate::{FieldsError, Method};
 
@@ -42,7 +42,7 @@ impl<'a, C: Cells> Binning<'a, C> {
             return elements.bin(self.cells, ball, out);
         }
         match self.method {
-            Method::Kernel | Method::Decomposition => self.cells.overlap_ball(ball, scratch, out),
+            Method::Kernel | Method::KernelF64 | Method::Decomposition => self.cells.overlap_ball(ball, scratch, out),
             Method::Centre => centre::bin(self.cells, ball, scratch, out),
             Method::CentreSmoothed => centre::bin_smoothed(self.cells, ball, scratch, out),
             Method::Cube => cube::bin(self.cells, ball, scratch, out),
@@ -59,5 +59,15 @@ impl<'a, C: Cells> Binning<'a, C> {
             return if row.is_empty() { 0.0 } else { ball.volume() };
         }
         row.iter().map(|p| p.1).sum()
+    }
+
+    /// Working memory of one thread.
+    pub fn scratch(&self) -> C::Scratch {
+        if self.method == Method::KernelF64 { self.cells.fast_scratch() } else { self.cells.scratch() }
+    }
+
+    /// How often balls have been evaluated with this working memory.
+    pub fn path_counts(&self, scratch: &C::Scratch) -> PathCounts {
+        self.cells.path_counts(scratch)
     }
 }

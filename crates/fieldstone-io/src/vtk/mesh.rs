@@ -82,7 +82,7 @@ impl VtkData {
         if self.kind == VtkKind::ImageData {
             return Err(fault(
                 "the file holds a regular grid, not a mesh of cells".into(),
-                "use it as a grid, or convert it to an unstructured grid",
+                "give the grid's bounds and counts (--grid and --cells), or convert it to an unstructured grid",
             ));
         }
         let ghosts = self.duplicates(&self.cell_data);

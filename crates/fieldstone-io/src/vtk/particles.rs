@@ -72,6 +72,14 @@ impl VtkData {
             );
             return Err(fault.in_file(&self.path));
         }
+        if self.has_volume_cells() {
+            let fault = Fault::new(
+                Position::File,
+                "the file holds a mesh of volume cells, whose points are no particles",
+                "give it as the mesh, and a file of points as the particles",
+            );
+            return Err(fault.in_file(&self.path));
+        }
         self.particles().map_err(|source| IoError::Particles { path: self.path.clone(), source })
     }
 

@@ -12,7 +12,7 @@ use fieldstone::fields::{
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
-use fieldstone::io::{AtomicFile, DataArray, write_csv};
+use fieldstone::io::{AtomicFile, DataArray, IoError, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
 use fieldstone::particles::Particles;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -25,7 +25,7 @@ use super::{outputs, report};
 /// Solid fraction of every cell of a mesh or grid, from a packing of spheres
 ///
 /// Writes solid_fraction, void_fraction, solid_volume, cell_volume and particle_count (centres) for each cell, and
-/// accounts for all volume: binned + clipped = particle volume.
+/// accounts for all volume: binned + clipped (outside the mesh) = particle volume.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone fraction --mesh case --particles dump.liggghts --out solid.vtu\n  \
@@ -38,13 +38,22 @@ pub(crate) struct Fraction {
     cells: CellsArguments,
     #[command(flatten)]
     particles: ParticleArguments,
-    /// kernel or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
+    /// kernel, kernel-f64 or decomposition (exact); centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N
+    ///
+    /// Exact: kernel, for any cells and sizes, to 1e-12 of the smaller volume; kernel-f64, the same without the promise,
+    /// much faster for balls many times larger than cells; decomposition, an independent check. Approximations in use elsewhere:
+    /// centre, the whole ball to the cell of its centre; centre-smoothed, then averaged with the face neighbours, which
+    /// does not conserve volume; cube of equal volume; divided, 29 points; sampled:N, a regular grid of about N points
+    /// in the ball; monte-carlo:N, N random points, the same in every run.
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON
+    ///
+    /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume, max_solid_fraction,
+    /// cells_above_one, inverted_cells, and seconds with read, search, overlap, write.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column
@@ -378,7 +387,16 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     for (name, dimensions, values) in list {
         let field = VolField { name, dimensions, components: 1, values };
         let written = write_vol_field(&staged, &field, mesh.cell_count(), &mesh.parts().patches, encoding);
-        files.push((written.with_context(|| format!("{}: cannot write", path.display()))?, path.join(name)));
+        let target = path.join(name);
+        // The staging folder means nothing to the user.
+        let written = written.map_err(|error| match error {
+            IoError::System { action, source, .. } => IoError::System { path: target.clone(), action, source },
+            IoError::Content { position, found, remedy, .. } => {
+                IoError::Content { path: target.clone(), position, found, remedy }
+            }
+            other => other,
+        })?;
+        files.push((written, target));
     }
     if !path.is_dir() {
         std::fs::create_dir(path).with_context(|| format!("{}: cannot make the folder", path.display()))?;

@@ -6,16 +6,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fieldstone::geometry::ElementKind;
+use fieldstone::io::vtk::{self, VtkData, VtkImage, VtkLocation};
 use fieldstone::io::{FileKind, ParticleOptions, file_kind, open_particles, read_mesh};
 use fieldstone::mesh::{Cells, Mesh};
 use fieldstone::particles::Particles;
 
+use super::arguments::ending;
 use super::report::{self, number};
 
 /// Tell what is inside a mesh or particle file
 ///
-/// Meshes: cells by type, warped and concave cells, volumes, patches, zones. Particles: frames, columns, box and size
-/// distribution.
+/// Meshes: cells by type, warped and concave cells, volumes, patches, zones, and results in a .vtu. Particles: frames,
+/// columns, box and size distribution. Grids (.vti): cells, spacing and results. All in the file's units.
 #[derive(Debug, Args)]
 pub(crate) struct Info {
     /// Any file or folder that fieldstone reads
@@ -25,10 +27,22 @@ pub(crate) struct Info {
 impl Info {
     pub fn run(self) -> anyhow::Result<()> {
         let mut lines = Lines(String::new());
+        let vtk = ["vtu", "vti", "vtk"].contains(&ending(&self.file).as_str());
+        if vtk && self.file.is_file() {
+            let data = vtk::read_vtk(&self.file)?;
+            if let Some(image) = &data.image {
+                lines.image(image);
+                lines.columns(&data);
+                return report::print(&lines.0);
+            }
+        }
         match file_kind(&self.file)? {
             FileKind::Mesh => {
                 let mesh = read_mesh(&self.file)?;
                 lines.mesh(&mesh);
+                if vtk {
+                    lines.columns(&vtk::read_vtk(&self.file)?);
+                }
             }
             FileKind::Particles => {
                 let options = ParticleOptions { allow_non_spherical: true };
@@ -88,6 +102,29 @@ impl Lines {
         }
         for zone in &parts.zones {
             self.add("zone", format!("{} ({} cells)", zone.name, zone.cells.len()));
+        }
+    }
+
+    fn image(&mut self, image: &VtkImage) {
+        self.add("regular grid", image.cells.map(|n| n.to_string()).join(" × "));
+        self.add("cells", image.cell_count());
+        self.add("origin", vector(image.origin));
+        self.add("spacing", vector(image.spacing));
+    }
+
+    /// Results that a file has on its points and cells.
+    fn columns(&mut self, data: &VtkData) {
+        for column in data.summaries() {
+            let place = match column.location {
+                VtkLocation::Point => "point column",
+                VtkLocation::Cell => "cell column",
+                VtkLocation::Field => "column of the file",
+            };
+            let shape =
+                if column.components == 1 { String::new() } else { format!(" ({} numbers)", column.components) };
+            let ranges = column.ranges.into_iter().flatten();
+            let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+            self.add(place, format!("{}{shape}, {} to {}", column.name, number(low), number(high)));
         }
     }
 

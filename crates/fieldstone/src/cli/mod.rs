@@ -45,7 +45,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Fraction(fraction::Fraction),
+    Fraction(Box<fraction::Fraction>),
     Overlap(overlap::OverlapCases),
     Info(info::Info),
     Demo(demo::Demo),

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
-/// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the inputs.
-pub(crate) fn check(option: &str, path: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
+/// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the run's other files.
+pub(crate) fn check(option: &str, path: &Path, others: &[&Path]) -> anyhow::Result<()> {
     let shown = path.display();
     check_folder(option, path)?;
     if path.is_dir() {
         bail!("{option} {shown}: this is a folder; give the name of a file");
     }
-    if let Some(input) = inputs.iter().find(|input| is_same(path, input)) {
-        bail!("{option} {shown}: this would overwrite {}, which is read; choose another name", input.display());
+    if others.iter().any(|other| is_same(path, other)) {
+        bail!("{option} {shown}: this would overwrite another file of this run; choose another name");
     }
     Ok(())
 }
@@ -37,7 +37,7 @@ pub(crate) fn check_folder(option: &str, path: &Path) -> anyhow::Result<()> {
 }
 
 /// Whether two names lead to one file, or would if it existed.
-pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
+fn is_same(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| -> Option<PathBuf> {
         path.canonicalize().ok().or_else(|| Some(parent(path).canonicalize().ok()?.join(path.file_name()?)))
     };

@@ -60,6 +60,9 @@ pub(crate) fn ledger(ledger: &Ledger, inverted_cells: usize) -> String {
     line("max solid fraction", number(ledger.max_solid_fraction));
     line("cells above one", ledger.cells_above_one.to_string());
     line("inverted cells", inverted_cells.to_string());
+    if ledger.overlaps > 0 {
+        line("beyond 64 bits", format!("{} of {} overlaps", ledger.beyond_f64, ledger.overlaps));
+    }
     text
 }
 
