@@ -59,6 +59,7 @@ pub(crate) fn draw(
     slice: &Slice<'_>,
     mut value: impl FnMut([f64; 3]) -> Option<f64>,
 ) -> anyhow::Result<()> {
+    register_fonts();
     let (low, high) = slice.bounds;
     let [right, up, _] = slice.plane.axes;
     let (left, bottom) = (low[right], low[up]);
@@ -81,8 +82,16 @@ pub(crate) fn draw(
     }
 
     let drawing = |e: &dyn std::fmt::Display| anyhow!("{}: cannot draw the picture: {e}", path.display());
-    save_png(path, |file| {
-        let root = BitMapBackend::new(file, (total_width, HEIGHT)).into_drawing_area();
+    // Beside the target and renamed at the end, so that no half picture is left behind; the ending tells the encoder.
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = tempfile::Builder::new()
+        .prefix(".fieldstone-")
+        .suffix(".png")
+        .tempfile_in(folder)
+        .with_context(|| format!("{}: cannot write", path.display()))?
+        .into_temp_path();
+    {
+        let root = BitMapBackend::new(&file, (total_width, HEIGHT)).into_drawing_area();
         root.fill(&WHITE).map_err(|e| drawing(&e))?;
         let (picture, bar) = root.split_horizontally(inner_width + 2 * MARGIN);
         let mut chart = ChartBuilder::on(&picture)
@@ -150,22 +159,8 @@ pub(crate) fn draw(
             .axis_desc_style(("sans-serif", 22))
             .draw()
             .map_err(|e| drawing(&e))?;
-        root.present().map_err(|e| drawing(&e))
-    })
-}
-
-/// Has `draw` write a PNG file beside the target and renames it at the end, so that no half picture is left behind.
-pub(crate) fn save_png(path: &Path, draw: impl FnOnce(&Path) -> anyhow::Result<()>) -> anyhow::Result<()> {
-    register_fonts();
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // The ending tells the encoder.
-    let file = tempfile::Builder::new()
-        .prefix(".fieldstone-")
-        .suffix(".png")
-        .tempfile_in(folder)
-        .with_context(|| format!("{}: cannot write", path.display()))?
-        .into_temp_path();
-    draw(&file)?;
+        root.present().map_err(|e| drawing(&e))?;
+    }
     // Temporary files are private; pictures are as readable as any file that the user creates.
     #[cfg(unix)]
     {
@@ -211,7 +206,7 @@ pub(crate) fn viridis(t: f64) -> [u8; 3] {
 }
 
 /// Fonts come with the program, so that pictures look alike on every machine.
-fn register_fonts() {
+pub(crate) fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // A font that does not load leaves the picture without text, which drawing then reports.

@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use super::Settings;
 use super::meshes::{Lattice, Split};
-use crate::cli::picture::save_png;
+use super::plots::{Area, save};
 
 /// Shear of the second mesh, in degrees.
 const ANGLE: f64 = 45.0;
@@ -14,16 +14,12 @@ const TURN: f64 = 0.42;
 const TILT: f64 = 0.38;
 
 pub(super) fn run(settings: &Settings) -> Result<String> {
-    let path = settings.folder.join("fig9.png");
-    save_png(&path, |file| {
-        let drawing = |e: &dyn std::fmt::Display| anyhow!("{}: cannot draw the picture: {e}", path.display());
-        let root = BitMapBackend::new(file, (1400, 620)).into_drawing_area();
-        root.fill(&WHITE).map_err(|e| drawing(&e))?;
+    save(&settings.folder.join("fig9.png"), (1400, 620), |root| {
         let panels = [(0.0, "27 hexahedra, regular".to_string()), (ANGLE, format!("sheared by {ANGLE}° along x"))];
         for (area, (angle, title)) in root.split_evenly((1, 2)).iter().zip(panels) {
-            panel(area, &Lattice::new(Split::Hexahedra, angle), &title).map_err(|e| drawing(&e))?;
+            panel(area, &Lattice::new(Split::Hexahedra, angle), &title)?;
         }
-        root.present().map_err(|e| drawing(&e))
+        Ok(())
     })?;
     Ok("## The meshes (Fig. 9)\n\n![The meshes](fig9.png)\n\nThe two meshes of 27 hexahedra, with a unit sphere at the \
         origin. The others are made from them by splitting each hexahedron into 2 wedges or 5, 6, 20 or 24 \
@@ -33,12 +29,12 @@ pub(super) fn run(settings: &Settings) -> Result<String> {
         .into())
 }
 
-fn panel(area: &DrawingArea<BitMapBackend<'_>, plotters::coord::Shift>, lattice: &Lattice, title: &str) -> Result<()> {
+fn panel(area: &Area<'_>, lattice: &Lattice, title: &str) -> Result<()> {
     let failed = |e: &dyn std::fmt::Display| anyhow!("{e}");
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .caption(title, ("sans-serif", 26))
-        .build_cartesian_2d(-4.1..4.1, -3.2..3.2)
+        .build_cartesian_2d(-3.6..3.6, -2.98..2.98)
         .map_err(|e| failed(&e))?;
     let back = ShapeStyle { color: RGBColor(190, 190, 190).to_rgba(), filled: false, stroke_width: 1 };
     let front = ShapeStyle { color: RGBColor(40, 40, 40).to_rgba(), filled: false, stroke_width: 2 };
@@ -86,7 +82,7 @@ fn sphere(line: &mut impl FnMut(Vec<[f64; 3]>, ShapeStyle) -> Result<()>) -> Res
     }
     // The outline is the circle across the direction of view.
     let ((st, ct), (sp, cp)) = (TURN.sin_cos(), TILT.sin_cos());
-    line(circle(&|s, c| [c * ct + s * st * sp, c * st - s * ct * sp, s * cp]), thick)
+    line(circle(&|s, c| [c * ct - s * st * sp, c * st + s * ct * sp, s * cp]), thick)
 }
 
 /// Orthographic projection: right and up.

@@ -47,11 +47,13 @@ pub(super) fn write(settings: &Settings, sections: &[Section]) -> Result<PathBuf
 
 /// A number with two digits.
 pub(super) fn exponent(x: f64) -> String {
-    format!("{x:.1e}")
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
 /// How a number of this run stands to one of the paper's.
 pub(super) fn against(ours: f64, paper: f64) -> String {
+    // Half a unit of the last digit: what an error of 0 stands for.
+    let ours = ours.max(0.5 * f64::EPSILON);
     let ratio = paper / ours;
     if ratio >= 1.5 {
         format!("{ours:.1e}, {ratio:.0} times below the paper's {paper:.0e}")
