@@ -21,7 +21,7 @@ fn rows(path: &Path) -> Vec<Vec<String>> {
     text.lines().skip(1).map(|line| line.split(',').map(String::from).collect()).collect()
 }
 
-const ERRORS: [&str; 8] = [
+const ERRORS: [&str; 7] = [
     "--only",
     "fig9,fig10,fig11,approximations",
     "--radii",

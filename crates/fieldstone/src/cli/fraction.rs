@@ -236,6 +236,8 @@ struct Summary {
     max_solid_fraction: f64,
     cells_above_one: usize,
     inverted_cells: usize,
+    overlaps: u64,
+    beyond_f64: u64,
     seconds: Seconds,
 }
 
@@ -260,6 +262,8 @@ pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, tim
         max_solid_fraction: ledger.max_solid_fraction,
         cells_above_one: ledger.cells_above_one,
         inverted_cells: inverted,
+        overlaps: ledger.overlaps,
+        beyond_f64: ledger.beyond_f64,
         seconds: Seconds {
             read: timing.seconds("read"),
             search: timing.seconds("search"),
