@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fieldstone_geometry::{Ball, ErrorBound, PROMISE, Vector, overlap_volume, volume_from_terms};
+use fieldstone_geometry::{Ball, ErrorBound, PROMISE, Vector, overlap, overlap_volume, volume_from_terms};
 use glam::DVec3;
 
 use crate::surface::FaceSum;
@@ -276,6 +276,11 @@ impl Mesh {
                 scratch.counts.beyond_f64 += 1;
                 // A cell that cannot stand alone (points that coincide) keeps what f64 gives.
                 if let Ok(alone) = self.polyhedron(at) {
+                    if !volume_only {
+                        // Of one evaluation: an area in `f64` may see the ball pass by where the volume sees it cut.
+                        let exact = overlap(ball, &alone);
+                        return result(exact.volume, exact.sphere_area);
+                    }
                     volume = overlap_volume(ball, &alone);
                 }
             }
