@@ -77,6 +77,10 @@ impl Weights {
     ) -> Result<Self, FieldsError> {
         let radii = particles.radii()?;
         let positions = particles.positions();
+        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
+        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
+            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
+        }
         let binning = Binning::new(cells, method)?;
         let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
         let blocks: Vec<Block> = order
@@ -293,10 +297,6 @@ fn bin_block<C: Cells>(
     let mut row = Vec::new();
     for &particle in particles {
         row.clear();
-        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
-        if !(1e-100..=1e100).contains(&radii[particle]) {
-            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
-        }
         let ball = |centre| Ball::new(centre, radii[particle]).map_err(|source| FieldsError::Ball { particle, source });
         let original = ball(positions[particle])?;
         let seed = particle as u64;
