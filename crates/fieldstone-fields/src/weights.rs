@@ -77,7 +77,8 @@ impl Weights {
     ) -> Result<Self, FieldsError> {
         let radii = particles.radii()?;
         let positions = particles.positions();
-        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
+        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite. All are looked at before any
+        // is binned, so that it is always the first one that is named.
         if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
             return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
         }

@@ -124,8 +124,9 @@ impl Polyhedron {
         radius: R,
         mut visit: impl FnMut(usize, &[Vector<R>], Vector<R>),
     ) {
+        let centre = *centre - Vector::from_f64(self.origin().to_array());
         let shifted = |v: DVec3| {
-            let v = Vector::from_f64(v.to_array()) - *centre;
+            let v = Vector::from_f64(v.to_array()) - centre;
             Vector::new(v.x / radius, v.y / radius, v.z / radius)
         };
         let mut visit_with_normal = |face: usize, ring: &[Vector<R>]| {

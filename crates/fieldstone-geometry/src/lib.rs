@@ -10,6 +10,7 @@
 //! All lengths are in one unit of the user's choice; nothing depends on which.
 
 mod ball;
+mod batch;
 mod cap;
 mod certified;
 mod corner_volume;
@@ -27,6 +28,7 @@ mod real;
 mod vector;
 
 pub use ball::{Ball, BallError};
+pub use batch::OverlapBatch;
 pub use cap::{cap_area, cap_volume};
 pub use certified::{CertifiedOverlap, PROMISE, Precision, certified_overlap, overlap_in};
 pub use corner_volume::corner_volume;

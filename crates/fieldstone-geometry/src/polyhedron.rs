@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::double_double::DoubleDouble;
+use crate::double_double::{DoubleDouble, two_sum};
 use crate::polygon::{flatness, polygon_centroid, polygon_warp, warp_bound};
 use crate::{CornerOrder, ElementKind, Vector};
 
@@ -109,6 +109,8 @@ pub(crate) struct Piece {
     pub flatness: f64,
     /// Largest distance of a corner from the plane, rounding included; 0 where the corners lie in one plane exactly.
     pub warp: f64,
+    /// Whether it can be evaluated in lanes: a triangle or a convex quadrilateral.
+    pub simple: bool,
     /// Centroid, around which the piece is fanned in more digits than `f64` where it is not exactly planar.
     pub apex: DVec3,
 }
@@ -128,11 +130,15 @@ pub(crate) struct Piece {
 #[derive(Debug, Clone)]
 pub struct Polyhedron {
     kind: ElementKind,
-    /// Corners, then the centroids that warped faces are fanned around.
+    /// What has been taken from all coordinates, without rounding.
+    origin: DVec3,
+    /// Corners, then the centroids that warped faces are fanned around; relative to the origin.
     vertices: Vec<DVec3>,
     corner_count: usize,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) piece_corners: Vec<u32>,
+    /// 1 / length of the side from each entry of `piece_corners` to the next of its piece.
+    pub(crate) inverse_lengths: Vec<f64>,
     face_areas: Vec<f64>,
     volume: f64,
     low: DVec3,
@@ -241,7 +247,7 @@ impl Polyhedron {
                 return Err(ElementError::CoincidentCorners { first, second: corner, at });
             }
         }
-        let positions: Vec<DVec3> = corners.iter().map(|&p| DVec3::from(p)).collect();
+        let (origin, positions) = localised(corners);
         let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
         let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
         let size = (high - low).max_element();
@@ -249,9 +255,11 @@ impl Polyhedron {
         let mut this = Self {
             kind,
             corner_count: corners.len(),
+            origin,
             vertices: positions,
             pieces: Vec::with_capacity(faces.len()),
             piece_corners: Vec::new(),
+            inverse_lengths: Vec::new(),
             face_areas: vec![0.0; faces.len()],
             volume: 0.0,
             low,
@@ -275,6 +283,13 @@ impl Polyhedron {
             this.invert();
         }
         this.convex = this.is_convex_within(1e-12 * size);
+        let inverse_lengths = this.rings().flat_map(|(_, corners)| {
+            (0..corners.len()).map(|k| {
+                let at = |k: usize| this.vertices[corners[k % corners.len()] as usize];
+                (at(k + 1) - at(k)).length().recip()
+            })
+        });
+        this.inverse_lengths = inverse_lengths.collect();
         Ok(this)
     }
 
@@ -315,6 +330,7 @@ impl Polyhedron {
             flatness: flatness(&points),
             warp: warp_bound(&points),
             apex: DVec3::from(polygon_centroid(&points)),
+            simple: corners.len() == 3 || corners.len() == 4 && is_convex_quadrilateral(&points, normal),
         });
     }
 
@@ -367,10 +383,15 @@ impl Polyhedron {
 
     /// Corners, in CGNS order for standard kinds.
     pub fn corners(&self) -> impl ExactSizeIterator<Item = [f64; 3]> + '_ {
-        self.vertices[..self.corner_count].iter().map(|v| v.to_array())
+        self.vertices[..self.corner_count].iter().map(|&v| (self.origin + v).to_array())
     }
 
-    /// Corners and the centroids of warped faces.
+    /// What has been taken from the coordinates of [`Polyhedron::vertices`] and [`Polyhedron::low_high`].
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Corners and the centroids of warped faces, relative to the origin.
     pub(crate) fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
@@ -389,9 +410,10 @@ impl Polyhedron {
     /// Lower and upper corner of the axis-parallel box around it.
     #[inline]
     pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        (self.low.to_array(), self.high.to_array())
+        ((self.origin + self.low).to_array(), (self.origin + self.high).to_array())
     }
 
+    /// The box around it, relative to the origin.
     pub(crate) fn low_high(&self) -> (DVec3, DVec3) {
         (self.low, self.high)
     }
@@ -411,6 +433,28 @@ impl Polyhedron {
     pub fn has_warped_faces(&self) -> bool {
         self.vertices.len() > self.corner_count
     }
+}
+
+/// Corners relative to the first one, and that one, where this loses nothing; else as they are, and 0.
+///
+/// Far from the origin of the coordinates the centroids of warped faces would otherwise be rounded to what little the
+/// coordinates resolve, and with them the volume.
+fn localised(corners: &[[f64; 3]]) -> (DVec3, Vec<DVec3>) {
+    let plain = || corners.iter().map(|&p| DVec3::from(p)).collect();
+    let Some(&first) = corners.first() else { return (DVec3::ZERO, plain()) };
+    let exact = corners.iter().all(|p| (0..3).all(|k| two_sum(p[k], -first[k]).1 == 0.0));
+    if !exact {
+        return (DVec3::ZERO, plain());
+    }
+    let origin = DVec3::from(first);
+    (origin, corners.iter().map(|&p| DVec3::from(p) - origin).collect())
+}
+
+fn is_convex_quadrilateral(points: &[[f64; 3]], normal: DVec3) -> bool {
+    (0..4).all(|k| {
+        let at = |k: usize| DVec3::from(points[k % 4]);
+        (at(k + 1) - at(k)).cross(at(k + 2) - at(k + 1)).dot(normal) > 0.0
+    })
 }
 
 fn check_closed(count: usize, faces: &[&[usize]]) -> Result<(), ElementError> {

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_geometry::{
-    Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, Precision, certified_overlap, fast_overlap,
-    overlap_in,
+    Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, PROMISE, Polyhedron, Precision, certified_overlap,
+    fast_overlap, overlap_in, overlap_volume,
 };
 
 /// SplitMix64.
@@ -153,4 +153,39 @@ fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
         ratios[ratios.len() / 2]
     );
     assert!(compared > pairs() / 2);
+}
+
+#[test]
+fn batches_agree_with_single_calls_and_count_their_slow_path() {
+    let (mut balls, mut elements, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+    for seed in 0..5000 {
+        let random = &mut Random(seed);
+        let Some(element) = element(random) else { continue };
+        let Some(ball) = ball(&element, random) else { continue };
+        pairs.push((balls.len() as u32, elements.len() as u32));
+        balls.push(ball);
+        elements.push(element);
+    }
+    let mut batch = OverlapBatch::default();
+    let mut volumes = vec![0.0; pairs.len()];
+    batch.pairs(&balls, &elements, &pairs, &mut volumes);
+    for (k, volume) in volumes.iter().enumerate() {
+        let smaller = balls[k].volume().min(elements[k].volume());
+        let single = overlap_volume(&balls[k], &elements[k]);
+        assert!((volume - single).abs() <= 2.0 * PROMISE * smaller, "{k}: {volume:e} and {single:e}");
+    }
+    let (evaluated, beyond) = batch.path_counts();
+    assert!(beyond > 0 && beyond < evaluated && evaluated <= pairs.len() as u64);
+
+    // The same bits in other company.
+    let mut alone = [0.0];
+    for k in (0..pairs.len()).step_by(97) {
+        batch.pairs(&balls, &elements, &pairs[k..=k], &mut alone);
+        assert_eq!(alone[0], volumes[k]);
+    }
+    let mut column = vec![0.0; 300];
+    batch.balls_in_element(&balls[..300], &elements[7], &mut column);
+    let mut row = vec![0.0; 300];
+    batch.ball_in_elements(&balls[7], &elements[..300], &mut row);
+    assert_eq!((column[7], row[7]), (volumes[7], volumes[7]));
 }

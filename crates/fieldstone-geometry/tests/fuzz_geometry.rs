@@ -180,7 +180,6 @@ fn adversarial_pairs_keep_all_invariants() {
 }
 
 #[test]
-#[ignore = "the bound of f64 weighs faces by their area inside the ball, which is next to nothing here"]
 fn the_bound_holds_for_a_tiny_ball_that_touches_a_large_element_at_a_corner() {
     let tetrahedron = Polyhedron::tetrahedron([
         [0.0, 0.0, 0.0],

@@ -209,3 +209,25 @@ fn small_rational_placements_on_which_decompositions_fail_are_right() {
     let found = overlap_volume(&Ball::new([0.0, 0.0, 0.7], 0.3).unwrap(), &tet);
     assert!((found - 0.017510).abs() < 1e-6, "{found}");
 }
+
+#[test]
+fn coordinates_offset_by_a_million_sizes_keep_the_volume_of_what_the_rounded_corners_enclose() {
+    // The rounded corners less the offset are exact numbers: the same element near the origin is the truth.
+    let offset = [3e6, -7e6, 1.1e6];
+    for case in all_cases().iter().filter(|c| c.family == "generic" || c.family == "sliver").step_by(3) {
+        let far: Vec<[f64; 3]> = case.element.corners().map(|p| [0, 1, 2].map(|k| p[k] + offset[k])).collect();
+        let centre = [0, 1, 2].map(|k| case.ball.centre()[k] + offset[k]);
+        let near: Vec<[f64; 3]> = far.iter().map(|p| [0, 1, 2].map(|k| p[k] - offset[k])).collect();
+        let build = |corners: &[[f64; 3]]| {
+            Polyhedron::element(case.element.kind(), CornerOrder::Cgns, corners, Orientation::Fix)
+        };
+        let (Ok(far), Ok(near)) = (build(&far), build(&near)) else { continue };
+        let r = case.ball.radius();
+        let far_ball = Ball::new(centre, r).unwrap();
+        let near_ball = Ball::new([0, 1, 2].map(|k| centre[k] - offset[k]), r).unwrap();
+        let smaller = near_ball.volume().min(near.volume());
+        let (a, b) = (overlap_volume(&far_ball, &far), overlap_volume(&near_ball, &near));
+        assert!((a - b).abs() <= 2.0 * PROMISE * smaller, "{}: {a:e} and {b:e}", case.family);
+        assert!((far.volume() - near.volume()).abs() <= 4e-15 * near.volume());
+    }
+}

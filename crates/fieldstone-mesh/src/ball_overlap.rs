@@ -231,8 +231,11 @@ impl Mesh {
             volume3 += sign * sum.volume3;
             solid_angle += sign * sum.solid_angle;
             touched |= sum.area != 0.0;
-            let [flatness, warp] = self.surface.shapes[face];
-            bound.add(sum.area, flatness, warp * scale);
+            // From inside, a face out of reach adds nothing, and no error.
+            if way == Way::Outside || sum.area != 0.0 {
+                let [flatness, warp] = self.surface.shapes[face];
+                bound.add(sum.area, flatness, warp * scale);
+            }
             nearest = nearest.min(if outward * sign > 0.0 { sum.distances[0] } else { -sum.distances[1] });
         }
         if all_inside {

@@ -9,6 +9,7 @@ mod outputs;
 mod overlap;
 mod picture;
 mod report;
+mod reproduce;
 mod timing;
 
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ enum Command {
     Overlap(overlap::OverlapCases),
     Info(info::Info),
     Demo(demo::Demo),
+    Reproduce(reproduce::Reproduce),
     Completions(manual::Completions),
     Manual(manual::Manual),
 }
@@ -72,6 +74,7 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
         Command::Overlap(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
+        Command::Reproduce(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Manual(command) => command.run(),
     }

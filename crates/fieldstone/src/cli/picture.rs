@@ -187,7 +187,7 @@ fn resample(pixels: &[u8], [w, h]: [u32; 2], [to_w, to_h]: [u32; 2]) -> Vec<u8> 
 }
 
 /// The viridis colour map, linear between nine of its colours; clamped to its ends.
-fn viridis(t: f64) -> [u8; 3] {
+pub(crate) fn viridis(t: f64) -> [u8; 3] {
     const COLOURS: [[f64; 3]; 9] = [
         [68.0, 1.0, 84.0],
         [71.0, 44.0, 122.0],
@@ -206,7 +206,7 @@ fn viridis(t: f64) -> [u8; 3] {
 }
 
 /// Fonts come with the program, so that pictures look alike on every machine.
-fn register_fonts() {
+pub(crate) fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // A font that does not load leaves the picture without text, which drawing then reports.
