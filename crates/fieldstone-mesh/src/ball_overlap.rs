@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fieldstone_geometry::{Ball, ErrorBound, PROMISE, Vector, overlap_volume, volume_from_terms};
+use fieldstone_geometry::{Ball, ErrorBound, PROMISE, Vector, overlap, overlap_volume, volume_from_terms};
 use glam::DVec3;
 
 use crate::surface::FaceSum;
@@ -93,8 +93,8 @@ impl Mesh {
     /// The face areas belong to the faces of the cells listed; the flux of solid through a face is the ball's
     /// velocity times the normal times the area.
     ///
-    /// The volumes keep the promise of [`fieldstone_geometry::overlap_volume`]; the areas are those of `f64`, with errors of some
-    /// 1e-15 r².
+    /// The volumes keep the promise of [`fieldstone_geometry::overlap_volume`], and sphere areas with them; the areas of faces are
+    /// those of `f64`, with errors of some 1e-15 r².
     ///
     /// Cost: one evaluation of [`fieldstone_geometry::face_terms`] per face of the cells in reach.
     pub fn overlap_ball_areas(
@@ -287,6 +287,11 @@ impl Mesh {
                 scratch.counts.beyond_f64 += 1;
                 // A cell that cannot stand alone (points that coincide) keeps what f64 gives.
                 if let Ok(alone) = self.polyhedron_of_pieces(at) {
+                    if !volume_only {
+                        // Of one evaluation: an area in `f64` may see the ball pass by where the volume sees it cut.
+                        let exact = overlap(ball, &alone);
+                        return result(exact.volume, exact.sphere_area);
+                    }
                     volume = overlap_volume(ball, &alone);
                 }
             }
