@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use std::process::{Command, Stdio};
 
 use fieldstone::fields::{SolidFractionOptions, solid_fraction};
+use fieldstone::geometry::{CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron};
 use fieldstone::io::openfoam::{InternalValues, read_internal_field};
 use fieldstone::io::{CsvTable, ParticleOptions, read_frame, read_mesh, vtk};
 use fieldstone_testing::data;
@@ -188,6 +189,8 @@ fn the_summary_has_the_documented_keys_in_their_order() {
         "search",
         "overlap",
         "write",
+        "overlaps",
+        "beyond_f64",
     ];
     assert_eq!(keys, expected);
     let summary = json(&folder, "s.json");
@@ -301,7 +304,8 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
 
 #[test]
 fn tables_of_overlaps_agree_with_sixty_digits_and_carry_all_columns_through() {
-    for (element, faces) in [("tet", 4), ("wedge", 5), ("hex", 6)] {
+    let kinds = [ElementKind::Tetrahedron, ElementKind::Wedge, ElementKind::Hexahedron];
+    for ((element, faces), kind) in [("tet", 4), ("wedge", 5), ("hex", 6)].into_iter().zip(kinds) {
         let folder = Folder::new();
         folder.copy(&data(&format!("overlap-cases/{element}.csv.gz")), "in.csv.gz");
         let line = format!("overlap --element {element} --cases in.csv.gz --order cgns --bound --out out.csv");
@@ -325,19 +329,24 @@ fn tables_of_overlaps_agree_with_sixty_digits_and_carry_all_columns_through() {
         let (radius, volume, exact, bound) = (of("r"), of("volume"), of("vol_exact"), of("volume_error"));
         let mut areas = vec![(of("sphere_area"), of("area_exact_sphere"))];
         areas.extend((0..faces).map(|f| (of(&format!("f{f}_area")), of(&format!("area_exact_f{f}")))));
+        let corners: Vec<[Vec<f64>; 3]> =
+            (0..kind.corner_count().unwrap()).map(|k| ["x", "y", "z"].map(|axis| of(&format!("{axis}{k}")))).collect();
         let (mut worst, mut worst_area) = (0.0f64, 0.0f64);
         for row in 0..400 {
             // The table's own numbers are rounded, too: in their last digit, and when they are read.
             let rounding = 1e-15 * exact[row] + 1e-18 * ball(radius[row]).min(1.0);
             let apart = (volume[row] - exact[row]).abs();
             assert!(apart <= bound[row] + rounding, "{element} row {row}: {apart:e} beyond {:e}", bound[row]);
-            worst = worst.max(bound[row] / ball(radius[row]).min(1.0));
+            let points: Vec<[f64; 3]> =
+                (0..kind.corner_count().unwrap()).map(|k| corners[k].each_ref().map(|axis| axis[row])).collect();
+            let element = Polyhedron::element(kind, CornerOrder::Cgns, &points, Orientation::Refuse).unwrap();
+            worst = worst.max(bound[row] / ball(radius[row]).min(element.volume()));
             for (ours, exact) in &areas {
                 worst_area = worst_area.max((ours[row] - exact[row]).abs() / (radius[row] * radius[row]).min(1.0));
             }
         }
         println!("{element}: bound of the volumes' errors {worst:.1e}, areas' errors {worst_area:.1e}");
-        assert!(worst < 1e-11 && worst_area < 1e-11, "{element}: {worst:e} {worst_area:e}");
+        assert!(worst <= PROMISE && worst_area < 1e-11, "{element}: {worst:e} {worst_area:e}");
     }
     let folder = Folder::new();
     folder.copy(&data("overlap-cases/tet.csv.gz"), "in.csv.gz");

@@ -53,7 +53,8 @@ pub(crate) struct Fraction {
     /// Also write the summary as JSON
     ///
     /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume, max_solid_fraction,
-    /// cells_above_one, inverted_cells, and seconds with read, search, overlap, write.
+    /// cells_above_one, inverted_cells, seconds with read, search, overlap, write; overlaps evaluated, and beyond_f64, how
+    /// many of them needed more than 64-bit floats.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column
@@ -236,9 +237,9 @@ struct Summary {
     max_solid_fraction: f64,
     cells_above_one: usize,
     inverted_cells: usize,
+    seconds: Seconds,
     overlaps: u64,
     beyond_f64: u64,
-    seconds: Seconds,
 }
 
 #[derive(Serialize)]
@@ -262,14 +263,14 @@ pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, tim
         max_solid_fraction: ledger.max_solid_fraction,
         cells_above_one: ledger.cells_above_one,
         inverted_cells: inverted,
-        overlaps: ledger.overlaps,
-        beyond_f64: ledger.beyond_f64,
         seconds: Seconds {
             read: timing.seconds("read"),
             search: timing.seconds("search"),
             overlap: timing.seconds("overlap"),
             write: timing.seconds("write"),
         },
+        overlaps: ledger.overlaps,
+        beyond_f64: ledger.beyond_f64,
     };
     let text = serde_json::to_string_pretty(&summary)?;
     AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
