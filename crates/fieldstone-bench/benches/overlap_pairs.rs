@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fieldstone_bench::{Pairs, Shape};
-use fieldstone_geometry::{decomposition, overlap, overlap_volume};
+use fieldstone_geometry::{OverlapBatch, decomposition, overlap, overlap_volume};
 
 fn overlap_pairs(criterion: &mut Criterion) {
     for shape in Shape::ALL {
@@ -16,6 +16,10 @@ fn overlap_pairs(criterion: &mut Criterion) {
             group.throughput(Throughput::Elements(size as u64));
             group.bench_function(format!("overlap_volume[{case},kernel]/{size}"), |b| {
                 b.iter(|| black_box(&pairs).sum(|ball, polyhedron, _| overlap_volume(ball, polyhedron)));
+            });
+            let (mut lanes, mut volumes) = (OverlapBatch::default(), vec![0.0; size]);
+            group.bench_function(format!("overlap_volume[{case},batch]/{size}"), |b| {
+                b.iter(|| black_box(&pairs).batch(&mut lanes, &mut volumes));
             });
             group.bench_function(format!("overlap[{case},kernel]/{size}"), |b| {
                 b.iter(|| black_box(&pairs).sum(|ball, polyhedron, _| overlap(ball, polyhedron).volume));

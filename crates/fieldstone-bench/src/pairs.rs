@@ -3,7 +3,7 @@
 use fieldstone_geometry::decomposition::{
     self, DecompositionElement, HexahedronCorners, hexahedron_to_2_wedges, hexahedron_to_5_tetrahedra,
 };
-use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron};
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, Polyhedron};
 
 use crate::Random;
 
@@ -131,6 +131,11 @@ impl Pairs {
         (&self.balls[ball as usize], &self.polyhedra[element as usize], &self.elements[element as usize])
     }
 
+    /// All pairs at once, in one call of the kernel's batch; writes to `volumes`, one per pair.
+    pub fn batch(&self, batch: &mut OverlapBatch, volumes: &mut [f64]) {
+        batch.pairs(&self.balls, &self.polyhedra, &self.pairs, volumes);
+    }
+
     /// Sum over all pairs of what `method` returns.
     #[inline]
     pub fn sum(&self, mut method: impl FnMut(&Ball, &Polyhedron, &DecompositionElement) -> f64) -> f64 {
@@ -153,8 +158,11 @@ mod tests {
         for shape in Shape::ALL {
             for r in [0.1, 0.3, 0.6, 1.0] {
                 let pairs = Pairs::new(shape, r, 200, 7);
-                for k in 0..pairs.len() {
+                let mut batched = vec![0.0; pairs.len()];
+                pairs.batch(&mut OverlapBatch::default(), &mut batched);
+                for (k, &volume) in batched.iter().enumerate() {
                     let (ball, polyhedron, element) = pairs.get(k);
+                    assert!((overlap_volume(ball, polyhedron) - volume).abs() < 1e-13 * r.powi(3));
                     let difference = overlap_volume(ball, polyhedron) - decomposition::overlap_volume(ball, element);
                     assert!(difference.abs() < 1e-13 * r.powi(3), "{} r = {r}: {difference:e}", shape.name());
                 }

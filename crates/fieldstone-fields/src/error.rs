@@ -34,6 +34,18 @@ pub enum FieldsError {
         /// The reason.
         source: fieldstone_geometry::decomposition::DecompositionElementError,
     },
+    /// A particle is much larger than the periodic box that it is to be repeated in.
+    #[error(
+        "particle {particle} has radius {radius}, but the periodic box is only {length} long; check units, or switch the images off (--periodic none)"
+    )]
+    RadiusBox {
+        /// Index of the particle, from 0.
+        particle: usize,
+        /// Its radius.
+        radius: f64,
+        /// Shortest periodic length of the box.
+        length: f64,
+    },
     /// A method's name is not known.
     #[error(
         "there is no method '{0}'; choose one of kernel, kernel-f64, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"

@@ -11,6 +11,9 @@ use crate::{FieldsError, Method};
 /// Particles handled by one task: large enough to hide its cost, small enough to balance.
 const BLOCK: usize = 128;
 
+/// Radius over the length of a periodic box beyond which units must be wrong, and images too many to count.
+const MOST_IMAGES: f64 = 20.0;
+
 /// Sparse matrix of volumes $V_{c \cap i}$: one row per particle, sorted by cell.
 ///
 /// The same bits for any number of threads. Coupled solvers distribute forces back with the same rows
@@ -77,6 +80,18 @@ impl Weights {
     ) -> Result<Self, FieldsError> {
         let radii = particles.radii()?;
         let positions = particles.positions();
+        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite. All are looked at before any
+        // is binned, so that it is always the first one that is named.
+        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
+            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
+        }
+        if let Some(domain) = domain {
+            let shortest =
+                (0..3).filter(|&k| domain.periodic()[k]).map(|k| domain.lengths()[k]).fold(f64::INFINITY, f64::min);
+            if let Some(particle) = radii.iter().position(|&r| r > MOST_IMAGES * shortest) {
+                return Err(FieldsError::RadiusBox { particle, radius: radii[particle], length: shortest });
+            }
+        }
         let binning = Binning::new(cells, method)?;
         let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
         let blocks: Vec<Block> = order
@@ -293,10 +308,6 @@ fn bin_block<C: Cells>(
     let mut row = Vec::new();
     for &particle in particles {
         row.clear();
-        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite.
-        if !(1e-100..=1e100).contains(&radii[particle]) {
-            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
-        }
         let ball = |centre| Ball::new(centre, radii[particle]).map_err(|source| FieldsError::Ball { particle, source });
         let original = ball(positions[particle])?;
         let seed = particle as u64;
@@ -312,7 +323,7 @@ fn bin_block<C: Cells>(
         let placed = binning.placed(&original, &row);
         let outside = original.volume() - placed;
         // What rounding leaves of a ball that is all inside is nothing.
-        block.outside.push(if outside < 1e-13 * original.volume() { 0.0 } else { outside });
+        block.outside.push(if outside.abs() < 1e-13 * original.volume() { 0.0 } else { outside });
         block.balls.push(original.volume());
         block.counts.push(row.len());
         block.pairs.extend_from_slice(&row);

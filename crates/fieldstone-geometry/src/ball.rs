@@ -5,13 +5,16 @@ use thiserror::Error;
 /// Why three coordinates and a radius make no ball.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BallError {
-    /// A coordinate of the centre is NaN or infinite.
-    #[error("the ball's centre is ({}, {}, {}); coordinates must be finite", .0[0], .0[1], .0[2])]
+    /// A coordinate of the centre is NaN, infinite or beyond 1e100.
+    #[error("the ball's centre is ({}, {}, {}); coordinates must be finite, and at most 1e100 in size", .0[0], .0[1], .0[2])]
     Centre([f64; 3]),
-    /// The radius is NaN, infinite, zero or negative.
-    #[error("the ball's radius is {0}; it must be finite and above 0")]
+    /// The radius is NaN, zero, negative, or so small or large that its volume would be no number.
+    #[error("the ball's radius is {0}; it must be between 1e-100 and 1e100")]
     Radius(f64),
 }
+
+/// Coordinates and radii beyond this, or radii below its reciprocal, have cubes that are no numbers.
+const LARGEST: f64 = 1e100;
 
 /// A ball: centre and radius, in the user's unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +24,7 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// A ball with finite centre and positive, finite radius.
+    /// A ball with finite centre and positive radius, between 1e-100 and 1e100.
     ///
     /// # Errors
     /// [`BallError`] names the number that is out of range.
@@ -34,10 +37,10 @@ impl Ball {
     /// # Ok::<(), fieldstone_geometry::BallError>(())
     /// ```
     pub fn new(centre: [f64; 3], radius: f64) -> Result<Self, BallError> {
-        if centre.iter().any(|x| !x.is_finite()) {
+        if !centre.iter().all(|x| x.abs() <= LARGEST) {
             return Err(BallError::Centre(centre));
         }
-        if !(radius > 0.0 && radius.is_finite()) {
+        if !(1.0 / LARGEST..=LARGEST).contains(&radius) {
             return Err(BallError::Radius(radius));
         }
         Ok(Self { centre, radius })

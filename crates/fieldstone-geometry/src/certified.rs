@@ -50,8 +50,11 @@ pub(crate) enum Wanted {
 /// below [`PROMISE`] times the smaller volume (for areas: the smaller of the whole sphere and the whole face) for any
 /// size ratio from 1e-6 to 1e6 and flatness down to 1e-6.
 ///
-/// In `f64` the bound is [`ErrorBound`](crate::ErrorBound); beyond, it comes from running error analysis
+/// In `f64` the bound is [`ErrorBound`](crate::ErrorBound), whose constants are set by experience; beyond, it comes from running error analysis
 /// ([`Tracked`]), with what the branches not taken would have given.
+///
+/// The gradient has no bound of its own: it errs by no more than the sum of the face areas' bounds. Beyond the ranges named,
+/// the result of 256 bits is returned with whatever bound it has.
 ///
 /// Cost: that of [`fast_overlap`] where `f64` is enough; some 50 times as much in double-double, 1,000 times in 256 bits.
 ///

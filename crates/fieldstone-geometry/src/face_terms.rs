@@ -43,7 +43,7 @@ pub struct FaceTerms<R> {
 /// polygon's ([`polygon_solid_angle`]) less the disc's, $2\pi(1 - |d|)$.
 ///
 /// Preconditions: at least three corners, in one plane, counter-clockwise around `normal`; an edge of length
-/// zero is passed over. Cost: two `atan2` per edge piece outside the ball where an edge enters it, else one per
+/// zero is passed over; fewer corners panic. Cost: two `atan2` per edge piece outside the ball where an edge enters it, else one per
 /// triangle of a fan.
 ///
 /// ```
@@ -238,7 +238,7 @@ fn outside_piece<R: Real>(d: R, h: R, beyond: R, a: EdgePoint<R>, b: EdgePoint<R
 /// 4π, around one outside to 0. The numerator is
 /// the triple product of the corners without its cancellation for far or small triangles.
 ///
-/// Source: `vanoosterom1983`, Eq. 8.
+/// Precondition: at least two corners; fewer panic. Source: `vanoosterom1983`, Eq. 8.
 pub fn polygon_solid_angle<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> R {
     let zero = R::from_f64(0.0);
     let apex = corners[0];

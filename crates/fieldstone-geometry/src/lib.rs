@@ -18,7 +18,7 @@ pub mod decomposition;
 pub mod double_double;
 mod element;
 mod face_terms;
-pub mod lanes;
+mod lanes;
 mod moments;
 mod overlap;
 mod polygon;

@@ -2,6 +2,7 @@
 
 use crate::certified::{PROMISE, Precision};
 use crate::double_double::DoubleDouble;
+use crate::overlap::{Placement, placement};
 use crate::precision::{Tracked, Wide};
 use crate::{Ball, FaceTerms, Polyhedron, Real, Vector, face_terms};
 
@@ -65,6 +66,17 @@ impl Moments {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn overlap_moments(ball: &Ball, polyhedron: &Polyhedron) -> Moments {
+    if matches!(placement(ball, polyhedron), Placement::Apart) {
+        return Moments {
+            volume: 0.0,
+            first: [0.0; 3],
+            second: [0.0; 6],
+            volume_error: 0.0,
+            first_error: 0.0,
+            second_error: 0.0,
+            precision: Precision::F64,
+        };
+    }
     let smaller = ball.volume().min(polyhedron.volume());
     let (low, high) = polyhedron.bounds();
     let centre = ball.centre();

@@ -34,10 +34,10 @@ struct Sums {
 /// | error of | bound |
 /// |---|---|
 /// | volume | $\varepsilon \left( 8 + 4 \rho \sum_f (1 + A_f \kappa_f) \right) + \sum_f A_f w_f$ |
-/// | areas | $\varepsilon \left( 8 + 8 \rho \max_f \kappa_f \right) + 8 \max_f w_f$ |
+/// | areas | $\varepsilon \left( 8 + 8 \rho \sum_f \kappa_f \right) + 8 \sum_f w_f$ |
 ///
 /// with ρ the distance of the farthest corner from the centre, $A_f$ the face's area inside the ball, κ its flatness
-/// ([`flatness`](crate::flatness)), w its warp ([`warp_bound`](crate::warp_bound)); sums and maxima are over the faces
+/// ([`flatness`](crate::flatness)), w its warp ([`warp_bound`](crate::warp_bound)); sums are over the faces
 /// whose planes cut the ball: also one of which nothing is inside has a solid angle with an error of its distance.
 ///
 /// The constants are not derived operation by operation: they were set at about ten times the largest error seen
@@ -63,8 +63,8 @@ impl ErrorBound {
     pub fn add(&mut self, area: f64, flatness: f64, warp: f64) {
         self.sensitivity += area * flatness + 1.0;
         self.warped_area += area * warp;
-        self.flatness = self.flatness.max(flatness);
-        self.warp = self.warp.max(warp);
+        self.flatness += flatness;
+        self.warp += warp;
     }
 
     /// Bound of the error of the volume of a ball of this radius.

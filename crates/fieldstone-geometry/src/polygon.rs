@@ -52,8 +52,11 @@ pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
         return 0.0;
     }
     let Some(normal) = DVec3::from(polygon_area_vector(corners)).try_normalize() else { return f64::INFINITY };
-    let centroid = DVec3::from(polygon_centroid(corners));
-    corners.iter().map(|&p| normal.dot(DVec3::from(p) - centroid).abs()).fold(0.0, f64::max)
+    // Relative to a corner: far from the origin the centroid itself would be rounded to what the coordinates resolve.
+    let first = DVec3::from(corners[0]);
+    let near: Vec<[f64; 3]> = corners.iter().map(|&p| (DVec3::from(p) - first).to_array()).collect();
+    let centroid = DVec3::from(polygon_centroid(&near));
+    near.iter().map(|&p| normal.dot(DVec3::from(p) - centroid).abs()).fold(0.0, f64::max)
 }
 
 /// How a planar polygon magnifies rounding: the square of its extent from the first corner over twice its area, at least 1.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::double_double::{DoubleDouble, two_sum};
-use crate::polygon::{flatness, polygon_centroid, polygon_warp, warp_bound};
+use crate::polygon::{flatness, is_exactly_planar, polygon_centroid, polygon_warp, warp_bound};
 use crate::{CornerOrder, ElementKind, Vector};
 
 /// Largest warp of a face, over the size of the element, that still counts as planar.
@@ -295,7 +295,7 @@ impl Polyhedron {
 
     fn push_face(&mut self, face: usize, ring: &[usize], size: f64) {
         let points: Vec<[f64; 3]> = ring.iter().map(|&k| self.vertices[k].to_array()).collect();
-        if polygon_warp(&points) <= PLANARITY * size {
+        if polygon_warp(&points) <= PLANARITY * size || is_exactly_planar(&points) {
             let corners: Vec<u32> = ring.iter().map(|&k| k as u32).collect();
             self.push_piece(face, &corners);
             return;
@@ -435,18 +435,15 @@ impl Polyhedron {
     }
 }
 
-/// Corners relative to the first one, and that one, where this loses nothing; else as they are, and 0.
+/// Corners relative to the first one along each axis where this loses nothing, and what has been taken away.
 ///
 /// Far from the origin of the coordinates the centroids of warped faces would otherwise be rounded to what little the
 /// coordinates resolve, and with them the volume.
 fn localised(corners: &[[f64; 3]]) -> (DVec3, Vec<DVec3>) {
-    let plain = || corners.iter().map(|&p| DVec3::from(p)).collect();
-    let Some(&first) = corners.first() else { return (DVec3::ZERO, plain()) };
-    let exact = corners.iter().all(|p| (0..3).all(|k| two_sum(p[k], -first[k]).1 == 0.0));
-    if !exact {
-        return (DVec3::ZERO, plain());
-    }
-    let origin = DVec3::from(first);
+    let first = corners.first().copied().unwrap_or_default();
+    // Each axis by itself: a mesh may be far away along one of them only.
+    let exact = |k: usize| corners.iter().all(|p| two_sum(p[k], -first[k]).1 == 0.0);
+    let origin = DVec3::from([0, 1, 2].map(|k| if exact(k) { first[k] } else { 0.0 }));
     (origin, corners.iter().map(|&p| DVec3::from(p) - origin).collect())
 }
 

@@ -28,7 +28,7 @@ pub trait Real:
 
     /// The nearest number of this type.
     fn from_f64(x: f64) -> Self;
-    /// The nearest `f64`.
+    /// The number as an `f64`, rounded or truncated.
     fn to_f64(self) -> f64;
     /// Square root; the argument is not negative.
     fn sqrt(self) -> Self;

@@ -1,6 +1,6 @@
 //! First and second moments against closed forms, polynomial integrals, Monte Carlo and each other.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::needless_range_loop)]
 
 use fieldstone_geometry::{Ball, Moments, Polyhedron, overlap_moments, overlap_volume};
 use proptest::prelude::*;

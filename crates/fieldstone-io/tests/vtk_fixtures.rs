@@ -136,14 +136,19 @@ fn integers_keep_their_type_and_floats_their_width() {
 
 #[test]
 fn points_become_particles_with_radius_id_velocity_and_time() {
-    for name in ["mixed_f64_inline_zlib_uint32.vtu", "surface_f64_raw_none_uint32.vtp", "mixed_f64_51_binary.vtk"] {
-        let file = folder().join(name);
-        let particles = read_vtk_particles(&file).unwrap();
-        let wanted = expected(if name.starts_with("mixed") { "mixed_f64" } else { "surface_f64" });
-        assert_eq!(particles.radii().unwrap(), floats(&wanted["point.radius"].1));
-        assert_eq!(particles.quantity("velocity").unwrap().data, floats(&wanted["point.v"].1));
-        assert_eq!(particles.ids().unwrap()[..2], [-5, -2]);
-        assert_eq!(particles.time(), Some(0.125));
+    let particles = read_vtk_particles(&folder().join("surface_f64_raw_none_uint32.vtp")).unwrap();
+    let wanted = expected("surface_f64");
+    assert_eq!(particles.radii().unwrap(), floats(&wanted["point.radius"].1));
+    assert_eq!(particles.quantity("velocity").unwrap().data, floats(&wanted["point.v"].1));
+    assert_eq!(particles.ids().unwrap()[..2], [-5, -2]);
+    assert_eq!(particles.time(), Some(0.125));
+}
+
+#[test]
+fn the_points_of_a_mesh_of_volume_cells_are_not_taken_for_particles() {
+    for name in ["mixed_f64_inline_zlib_uint32.vtu", "mixed_f64_51_binary.vtk"] {
+        let error = read_vtk_particles(&folder().join(name)).unwrap_err();
+        assert!(error.to_string().contains("mesh of volume cells"), "{error}");
     }
 }
 

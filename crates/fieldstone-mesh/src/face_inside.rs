@@ -44,7 +44,8 @@ pub(crate) fn face_inside(normal: DVec3, distance: f64, corners: &[DVec3]) -> Op
     for &b in corners {
         let along = b - a;
         let length2 = along.length_squared();
-        let moment = a.dot(along.cross(normal));
+        // Never −0: it counts as inside, and the arc tangent would put it outside.
+        let moment = a.dot(along.cross(normal)) + 0.0;
         foot_inside &= moment >= 0.0;
         // Without a root or a division for the edges that miss the disc.
         if moment * moment < s2 * length2 {

@@ -169,7 +169,8 @@ impl Cells for Grid {
     /// closed form per cell instead of eight.
     fn overlap_ball(&self, ball: &Ball, scratch: &mut GridScratch, out: &mut Vec<(u32, f64)>) {
         let (centre, r) = (ball.centre(), ball.radius());
-        let spans: [[usize; 2]; 3] = std::array::from_fn(|k| self.span(k, centre[k] - r, centre[k] + r));
+        let spans: [[usize; 2]; 3] =
+            std::array::from_fn(|k| self.span(k, (centre[k] - r).next_down(), (centre[k] + r).next_up()));
         if spans.iter().any(|[a, b]| a >= b) {
             return;
         }
@@ -211,7 +212,8 @@ impl Cells for Grid {
                             self.overlap_cell(ball, cell)
                         }
                     };
-                    let apart = gap(xs, i).powi(2) + gap(ys, j).powi(2) + gap(zs, k).powi(2) >= 1.0;
+                    let apart =
+                        gap(xs, i).powi(2) + gap(ys, j).powi(2) + gap(zs, k).powi(2) >= 1.0 + 8.0 * f64::EPSILON;
                     if volume > 0.0 && !apart {
                         out.push((cell as u32, volume));
                     }

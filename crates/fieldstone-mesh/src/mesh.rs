@@ -203,8 +203,15 @@ impl Mesh {
         let origin = 0.5 * (low + high);
         let (mut three_volumes, mut weighted) = (0.0, DVec3::ZERO);
         for (face, sign) in self.signed_faces(cell) {
+            // All triangles of a fan share the centroid, so it is the one point of a warped face to measure by. Of a planar
+            // one any point will do, and a corner is not rounded.
+            let pieces = self.surface.pieces(face);
             let to_face = self.surface.centroids[face] - origin;
-            let pyramid = sign * self.surface.area_vectors[face].dot(to_face);
+            let on_face = match pieces.len() {
+                1 => self.surface.vertices[self.surface.ring(pieces.start)[0] as usize] - origin,
+                _ => to_face,
+            };
+            let pyramid = sign * self.surface.area_vectors[face].dot(on_face);
             three_volumes += pyramid;
             // The centroid of a pyramid is three quarters of the way from its apex to that of its base.
             weighted += 0.75 * pyramid * to_face;
@@ -332,11 +339,31 @@ impl Mesh {
     /// # Errors
     /// [`ElementError`] where the cell is acceptable in a mesh but not alone (coincident points).
     pub fn polyhedron(&self, cell: usize) -> Result<Polyhedron, ElementError> {
+        let points = &self.parts.points;
+        self.stand_alone(self.signed_faces(cell).map(|(face, sign)| (self.parts.face(face), sign)), |label| {
+            points[label as usize]
+        })
+    }
+
+    /// As [`Mesh::polyhedron`], from the very pieces that the mesh has: a warped face is fanned around the mesh's rounded
+    /// centroid, whatever a polyhedron of its own would make of it.
+    pub(crate) fn polyhedron_of_pieces(&self, cell: usize) -> Result<Polyhedron, ElementError> {
+        let pieces = self.signed_faces(cell).flat_map(|(face, sign)| self.surface.pieces(face).map(move |p| (p, sign)));
+        self.stand_alone(pieces.map(|(piece, sign)| (self.surface.ring(piece), sign)), |label| {
+            self.surface.vertices[label as usize].to_array()
+        })
+    }
+
+    fn stand_alone<'a>(
+        &self,
+        rings: impl Iterator<Item = (&'a [u32], f64)>,
+        point: impl Fn(u32) -> [f64; 3],
+    ) -> Result<Polyhedron, ElementError> {
         let mut labels: Vec<u32> = Vec::new();
         let mut faces: Vec<Vec<usize>> = Vec::new();
-        for (face, sign) in self.signed_faces(cell) {
-            let mut ring: Vec<usize> = Vec::new();
-            for &label in self.parts.face(face) {
+        for (corners, sign) in rings {
+            let mut ring: Vec<usize> = Vec::with_capacity(corners.len());
+            for &label in corners {
                 ring.push(labels.iter().position(|&l| l == label).unwrap_or_else(|| {
                     labels.push(label);
                     labels.len() - 1
@@ -347,7 +374,7 @@ impl Mesh {
             }
             faces.push(ring);
         }
-        let points: Vec<[f64; 3]> = labels.iter().map(|&l| self.parts.points[l as usize]).collect();
+        let points: Vec<[f64; 3]> = labels.iter().map(|&l| point(l)).collect();
         Polyhedron::from_faces(&points, &faces, Orientation::Fix)
     }
 }

@@ -56,6 +56,10 @@ impl Cells for Mesh {
                 let owner = parts.owner[face as usize];
                 let other = if owner as usize == cell { neighbour } else { owner };
                 let distance = (self.centres[cell] - self.centres[other as usize]).length();
+                // Centres that coincide are no neighbours that anything could flow between.
+                if distance == 0.0 {
+                    continue;
+                }
                 visit(other, self.surface.area_vectors[face as usize].length() / distance);
             }
         }

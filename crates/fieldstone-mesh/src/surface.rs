@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fieldstone_geometry::{
-    FaceTerms, PLANARITY, Vector, face_terms, flatness, polygon_area_vector, polygon_centroid, polygon_warp,
+    FaceTerms, PLANARITY, Vector, face_terms, flatness, is_exactly_planar, polygon_area_vector, polygon_centroid,
+    polygon_warp,
 };
 use glam::DVec3;
 
@@ -77,7 +78,7 @@ impl Surface {
             let centroid = DVec3::from(polygon_centroid(&points));
             this.centroids.push(centroid);
             this.area_vectors.push(DVec3::from(polygon_area_vector(&points)));
-            if polygon_warp(&points) <= PLANARITY * extent(&points) {
+            if polygon_warp(&points) <= PLANARITY * extent(&points) || is_exactly_planar(&points) {
                 this.push_piece(ring);
             } else {
                 this.warped_faces += 1;

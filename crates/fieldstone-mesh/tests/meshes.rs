@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_geometry::{Ball, CornerOrder, ElementKind, overlap, overlap_volume};
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, PROMISE, overlap, overlap_volume};
 use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
 use proptest::prelude::*;
 
@@ -168,6 +168,29 @@ proptest! {
     }
 
     #[test]
+    fn centres_on_or_next_to_faces_edges_and_corners_are_no_special_case(
+        twelfths in prop::array::uniform3(0i32..=12),
+        nudge in prop::array::uniform3(-1.0f64..1.0),
+        size in prop::sample::select(vec![0.0, 1e-17, 1e-12, 1e-9, 1e-5, 2e-3, 5e-3]),
+        radius in prop::sample::select(vec![0.05, 1.0 / 12.0, 0.25, 1.0 / 3.0, 0.5]),
+        jitter in prop::sample::select(vec![0.0, 0.3]),
+        seed: u64,
+    ) {
+        let centre = std::array::from_fn(|k| f64::from(twelfths[k]) / 12.0 + size * nudge[k]);
+        compare_with_elements(&hexahedra(3, jitter, seed), &Ball::new(centre, radius).unwrap())?;
+        // And next to corners, edge middles and face centres of cells that are bent.
+        let bent = hexahedra(3, 0.3, seed);
+        let corners: Vec<[f64; 3]> =
+            bent.cell_corners(13).unwrap().iter().map(|&k| bent.parts().points[k as usize]).collect();
+        for take in [1, 2, 4] {
+            let mean: [f64; 3] =
+                std::array::from_fn(|k| corners[..take].iter().map(|c| c[k]).sum::<f64>() / take as f64);
+            let centre = std::array::from_fn(|k| mean[k] + size * nudge[k]);
+            compare_with_elements(&bent, &Ball::new(centre, radius).unwrap())?;
+        }
+    }
+
+    #[test]
     fn mixed_elements_agree_too(centre in prop::array::uniform3(-0.2f64..2.5), radius in 0.02f64..2.0) {
         compare_with_elements(&mixed(), &Ball::new(centre, radius).unwrap())?;
     }
@@ -253,4 +276,39 @@ fn broken_meshes_are_refused_with_the_culprit() {
     assert!(matches!(broken(&|p| *p.owner.last_mut().unwrap() = 0), MeshError::OpenCell { .. }));
     assert!(matches!(Mesh::new(MeshParts::default()), Err(MeshError::Empty)));
     assert!(matches!(broken(&|p| p.points.iter_mut().for_each(|x| x[2] = 0.0)), MeshError::NoVolume { .. }));
+}
+
+#[test]
+fn cells_keep_the_promise_for_balls_of_any_size_and_count_what_that_takes() {
+    let mesh = hexahedra(3, 0.3, 11);
+    let elements: Vec<_> = (0..27).map(|cell| mesh.polyhedron(cell).unwrap()).collect();
+    let mut scratch = mesh.scratch();
+    let mut compared = 0;
+    for exponent in -5..=5 {
+        let radius = 0.3 * 10f64.powi(exponent);
+        // Surfaces that pass through the middle of the mesh, and tiny balls in and around its corners.
+        for k in 0..12 {
+            let direction = [[0.6, 0.64, 0.48], [-0.8, 0.6, 0.0], [0.0, 0.28, -0.96]][k % 3];
+            let from = [[0.5; 3], [0.34, 0.33, 0.32], [0.4, 0.6, 0.5], [1.0 / 3.0, 0.7, 0.2]][k / 3];
+            let reach = if exponent < 0 { 0.7 * radius } else { radius };
+            let ball = Ball::new([0, 1, 2].map(|k| from[k] + reach * direction[k]), radius).unwrap();
+            let mut out = Vec::new();
+            mesh.overlap_ball(&ball, &mut scratch, &mut out);
+            for (cell, element) in elements.iter().enumerate() {
+                let found = out.iter().find(|p| p.0 as usize == cell).map_or(0.0, |p| p.1);
+                let exact = overlap_volume(&ball, element);
+                let smaller = ball.volume().min(element.volume());
+                assert!(
+                    (found - exact).abs() <= 2.0 * PROMISE * smaller,
+                    "r {radius}, cell {cell}: {found:e}, {exact:e}"
+                );
+                compared += usize::from(exact > 0.0 && exact < smaller);
+            }
+        }
+    }
+    let counts = mesh.path_counts(&scratch);
+    assert!(
+        compared > 300 && counts.beyond_f64 > 100 && counts.beyond_f64 < counts.evaluated,
+        "{compared}, {counts:?}"
+    );
 }

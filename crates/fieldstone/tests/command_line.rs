@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use std::process::{Command, Stdio};
 
 use fieldstone::fields::{SolidFractionOptions, solid_fraction};
+use fieldstone::geometry::{CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron};
 use fieldstone::io::openfoam::{InternalValues, read_internal_field};
 use fieldstone::io::{CsvTable, ParticleOptions, read_frame, read_mesh, vtk};
 use fieldstone_testing::data;
@@ -155,8 +156,10 @@ fn every_method_runs_and_accounts_for_all_volume() {
         CsvTable::read(&folder.path(&out)).unwrap().column("solid_volume").unwrap()
     };
     let kernel = volumes("kernel");
-    for (a, b) in volumes("decomposition").iter().zip(&kernel) {
-        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    for exact in ["decomposition", "kernel-f64"] {
+        for (a, b) in volumes(exact).iter().zip(&kernel) {
+            assert!((a - b).abs() < 1e-12, "{exact}: {a} {b}");
+        }
     }
     for method in ["centre", "centre-smoothed", "cube", "divided", "sampled:200", "monte-carlo:200"] {
         let apart = volumes(method).iter().zip(&kernel).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -186,6 +189,8 @@ fn the_summary_has_the_documented_keys_in_their_order() {
         "search",
         "overlap",
         "write",
+        "overlaps",
+        "beyond_f64",
     ];
     assert_eq!(keys, expected);
     let summary = json(&folder, "s.json");
@@ -299,45 +304,54 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
 
 #[test]
 fn tables_of_overlaps_agree_with_sixty_digits_and_carry_all_columns_through() {
-    for (element, faces) in [("tet", 4), ("wedge", 5), ("hex", 6)] {
+    let kinds = [ElementKind::Tetrahedron, ElementKind::Wedge, ElementKind::Hexahedron];
+    for ((element, faces), kind) in [("tet", 4), ("wedge", 5), ("hex", 6)].into_iter().zip(kinds) {
         let folder = Folder::new();
         folder.copy(&data(&format!("overlap-cases/{element}.csv.gz")), "in.csv.gz");
-        let line = format!("overlap --element {element} --cases in.csv.gz --order cgns --out out.csv");
+        let line = format!("overlap --element {element} --cases in.csv.gz --order cgns --bound --out out.csv");
         let run = folder.succeeds(&line);
         assert!(run.stdout.contains("cases                400"), "{}", run.stdout);
-        assert!(run.stderr.contains("of 400 cases the error may exceed"), "huge balls are flagged: {}", run.stderr);
+        let beyond = run.stdout.lines().find_map(|line| line.strip_prefix("beyond 64 bits ")).unwrap();
+        assert!(beyond.trim().parse::<usize>().unwrap() > 50, "huge balls need more digits: {}", run.stdout);
 
         let given = CsvTable::read(&folder.path("in.csv.gz")).unwrap();
         let found = CsvTable::read(&folder.path("out.csv")).unwrap();
         let mut names = given.names().to_vec();
         names.extend(["volume".into(), "sphere_area".into()]);
         names.extend((0..faces).map(|f| format!("f{f}_area")));
-        names.extend(["gradient_x", "gradient_y", "gradient_z"].map(String::from));
+        names.extend(["gradient_x", "gradient_y", "gradient_z", "volume_error"].map(String::from));
         assert_eq!(found.names(), names);
         for row in 0..400 {
             assert!(found.row(row).starts_with(given.row(row).trim_end()), "row {row} is not as it was");
         }
 
         let of = |name: &str| found.column(name).unwrap();
-        let radius = of("r");
-        let mut pairs = vec![(of("volume"), of("vol_exact"), 3), (of("sphere_area"), of("area_exact_sphere"), 2)];
-        pairs.extend((0..faces).map(|f| (of(&format!("f{f}_area")), of(&format!("area_exact_f{f}")), 2)));
-        let mut compared = 0;
+        let (radius, volume, exact, bound) = (of("r"), of("volume"), of("vol_exact"), of("volume_error"));
+        let mut areas = vec![(of("sphere_area"), of("area_exact_sphere"))];
+        areas.extend((0..faces).map(|f| (of(&format!("f{f}_area")), of(&format!("area_exact_f{f}")))));
+        let corners: Vec<[Vec<f64>; 3]> =
+            (0..kind.corner_count().unwrap()).map(|k| ["x", "y", "z"].map(|axis| of(&format!("{axis}{k}")))).collect();
+        let (mut worst, mut worst_area) = (0.0f64, 0.0f64);
         for row in 0..400 {
-            // Slivers, tiny and huge balls are beyond 64-bit floats, and another test has their errors.
-            let family = found.row(row).split(',').next().unwrap();
-            if !["generic", "tangent_vertex", "centre_on_vertex"].contains(&family) {
-                continue;
-            }
-            compared += 1;
-            for (ours, exact, power) in &pairs {
-                let scale = radius[row].powi(*power).min(1.0);
-                let error = (ours[row] - exact[row]).abs() / scale;
-                assert!(error < 1e-12, "{element} row {row} ({family}): {} {}", ours[row], exact[row]);
+            // The table's own numbers are rounded, too: in their last digit, and when they are read.
+            let rounding = 1e-15 * exact[row] + 1e-18 * ball(radius[row]).min(1.0);
+            let apart = (volume[row] - exact[row]).abs();
+            assert!(apart <= bound[row] + rounding, "{element} row {row}: {apart:e} beyond {:e}", bound[row]);
+            let points: Vec<[f64; 3]> =
+                (0..kind.corner_count().unwrap()).map(|k| corners[k].each_ref().map(|axis| axis[row])).collect();
+            let element = Polyhedron::element(kind, CornerOrder::Cgns, &points, Orientation::Refuse).unwrap();
+            worst = worst.max(bound[row] / ball(radius[row]).min(element.volume()));
+            for (ours, exact) in &areas {
+                worst_area = worst_area.max((ours[row] - exact[row]).abs() / (radius[row] * radius[row]).min(1.0));
             }
         }
-        assert!(compared > 90, "{compared}");
+        println!("{element}: bound of the volumes' errors {worst:.1e}, areas' errors {worst_area:.1e}");
+        assert!(worst <= PROMISE && worst_area < 1e-11, "{element}: {worst:e} {worst_area:e}");
     }
+    let folder = Folder::new();
+    folder.copy(&data("overlap-cases/tet.csv.gz"), "in.csv.gz");
+    let message = folder.fails("overlap --element tet --cases in.csv.gz --out o.csv --bound --method cube");
+    assert!(message.contains("--bound goes with --method kernel"), "{message}");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use fieldstone_bench::{Pairs, Shape, median, take_turns, thread_seconds};
-use fieldstone_geometry::{decomposition, overlap, overlap_volume};
+use fieldstone_geometry::{OverlapBatch, decomposition, overlap_volume};
 
 fn main() {
     let mut arguments =
@@ -14,10 +14,8 @@ fn main() {
     let at_least = arguments.next().unwrap_or(20_000).max(1);
 
     println!("Per partially overlapping pair, one thread, processor time, median of {turns} turns.\n");
-    println!(
-        "| element | r | pairs | kernel, volume (ns) | kernel, all (ns) | decomposition (ns) | decomposition / kernel |"
-    );
-    println!("|---|---:|---:|---:|---:|---:|---:|");
+    println!("| element | r | pairs | decomposition (ns) | one call (ns) | ratio | batch (ns) | ratio |");
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|");
     let mut logarithms = Vec::new();
     for shape in Shape::ALL {
         for r in [0.1, 0.3, 0.6, 1.0] {
@@ -29,20 +27,28 @@ fn main() {
                 1e9 * (thread_seconds() - start) / count as f64
             };
             let mut kernel = || time(&|| pairs.sum(|ball, polyhedron, _| overlap_volume(ball, polyhedron)));
-            let mut all = || time(&|| pairs.sum(|ball, polyhedron, _| overlap(ball, polyhedron).volume));
+            let (mut lanes, mut volumes) = (OverlapBatch::default(), vec![0.0; count]);
+            let mut batch = || {
+                let start = thread_seconds();
+                pairs.batch(&mut lanes, &mut volumes);
+                black_box(&volumes);
+                1e9 * (thread_seconds() - start) / count as f64
+            };
             let mut rival = || time(&|| pairs.sum(|ball, _, element| decomposition::overlap_volume(ball, element)));
-            let [kernel, all, rival] = take_turns(turns, [&mut kernel, &mut all, &mut rival]);
-            let ratio = median(rival.iter().zip(&kernel).map(|(r, k)| r / k));
-            logarithms.push(ratio.ln());
+            let [kernel, batch, rival] = take_turns(turns, [&mut kernel, &mut batch, &mut rival]);
+            let ratios = [&kernel, &batch].map(|own| median(rival.iter().zip(own).map(|(r, own)| r / own)));
+            logarithms.push(ratios.map(f64::ln));
             println!(
-                "| {} | {r} | {count} | {:.0} | {:.0} | {:.0} | {ratio:.2} |",
+                "| {} | {r} | {count} | {:.0} | {:.0} | {:.2} | {:.0} | {:.2} |",
                 shape.name(),
-                median(kernel),
-                median(all),
                 median(rival),
+                median(kernel),
+                ratios[0],
+                median(batch),
+                ratios[1],
             );
         }
     }
-    let mean = (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp();
-    println!("\nGeometric mean of the ratios: {mean:.2}");
+    let mean = [0, 1].map(|k| (logarithms.iter().map(|l| l[k]).sum::<f64>() / logarithms.len() as f64).exp());
+    println!("\nGeometric mean of the ratios: one call {:.2}, batch {:.2}", mean[0], mean[1]);
 }

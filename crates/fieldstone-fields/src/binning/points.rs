@@ -67,14 +67,16 @@ fn regular_grid(side: u32) -> Vec<[f64; 3]> {
 
 /// `n` points, uniform in the unit ball, the same ones for the same seed.
 pub(super) fn random(n: u32, seed: u64) -> Vec<[f64; 3]> {
-    // SplitMix64: every seed gives a stream of its own.
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let mut uniform = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
+    // SplitMix64, started at a scrambled seed: started at the seeds themselves, streams would be shifts of each other.
+    let scramble = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        z ^ (z >> 31)
+    };
+    let mut state = scramble(seed.wrapping_add(0x632b_e59b_d9b4_e019));
+    let mut uniform = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        (scramble(state) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     let mut points = Vec::with_capacity(n as usize);
     while points.len() < n as usize {
@@ -112,7 +114,10 @@ mod tests {
     fn random_points_fill_the_ball_evenly_and_repeat() {
         let points = random(100_000, 3);
         assert_eq!(points, random(100_000, 3));
-        assert_ne!(points[..10], random(10, 4)[..]);
+        // No two particles get clouds that share points.
+        for seed in 4..20 {
+            assert!(random(100, seed).iter().all(|p| !points[..1000].contains(p)), "seed {seed}");
+        }
         let inner = points.iter().filter(|p| p.iter().map(|x| x * x).sum::<f64>() < 0.25).count();
         // One eighth of the volume, ± 5 standard deviations.
         assert!((inner as f64 - 12_500.0).abs() < 5.0 * 105.0, "{inner}");

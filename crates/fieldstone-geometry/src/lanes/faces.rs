@@ -8,7 +8,7 @@ use crate::FaceTerms;
 
 /// A triangle or a convex quadrilateral, moved and scaled so that the ball is the unit ball around the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaneFace<const N: usize> {
+pub(crate) struct PlaneFace<const N: usize> {
     /// Outward unit normal.
     pub normal: [f64; 3],
     /// Corners, counter-clockwise around the normal.
@@ -18,18 +18,8 @@ pub struct PlaneFace<const N: usize> {
 }
 
 /// Working memory for batches of faces with N corners, N being 3 or 4.
-///
-/// ```
-/// use fieldstone_geometry::lanes::{FaceBatch, PlaneFace};
-/// let mut batch = FaceBatch::<3>::default();
-/// let corners = [[-9.0, -9.0, 0.5], [9.0, -9.0, 0.5], [0.0, 9.0, 0.5]];
-/// let lengths: [f64; 3] = [18.0, (81.0f64 + 324.0).sqrt(), (81.0f64 + 324.0).sqrt()];
-/// batch.push(PlaneFace { normal: [0.0, 0.0, 1.0], corners, inverse_lengths: lengths.map(f64::recip) });
-/// // The plane z = 1/2 cuts a disc of radius √3/2.
-/// assert!((batch.evaluate()[0].area - 0.75 * std::f64::consts::PI).abs() < 1e-15);
-/// ```
 #[derive(Debug, Clone)]
-pub struct FaceBatch<const N: usize> {
+pub(crate) struct FaceBatch<const N: usize> {
     faces: Vec<PlaneFace<N>>,
     terms: Vec<FaceTerms<f64>>,
     /// Faces whose edges enter the ball.
@@ -51,11 +41,6 @@ impl<const N: usize> FaceBatch<N> {
     /// Number of faces.
     pub fn len(&self) -> usize {
         self.faces.len()
-    }
-
-    /// Whether there is no face.
-    pub fn is_empty(&self) -> bool {
-        self.faces.is_empty()
     }
 
     /// Adds a face; its terms will be at the index that [`FaceBatch::len`] had before.

@@ -8,4 +8,4 @@ mod arctangent;
 mod faces;
 mod lane;
 
-pub use faces::{FaceBatch, PlaneFace};
+pub(crate) use faces::{FaceBatch, PlaneFace};

@@ -220,8 +220,8 @@ impl Periodic {
             (0..3).filter(|&k| domain.periodic()[k] && !axes[k]).map(|k| ['x', 'y', 'z'][k]).collect();
         let note = (!refused.is_empty()).then(|| {
             format!(
-                "the box is periodic along {refused}, but the mesh reaches beyond it there: no images are made \
-                 (--periodic {refused} makes them)"
+                "the box is periodic along {refused}, but the mesh reaches beyond it there: no images are made, \
+                 since cells outside would get them twice"
             )
         });
         Ok((axes.contains(&true).then(|| domain.with_periodic(axes)), note))

@@ -53,7 +53,8 @@ pub(crate) struct Fraction {
     /// Also write the summary as JSON
     ///
     /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume, max_solid_fraction,
-    /// cells_above_one, inverted_cells, and seconds with read, search, overlap, write.
+    /// cells_above_one, inverted_cells, seconds with read, search, overlap, write; overlaps evaluated, and beyond_f64, how
+    /// many of them needed more than 64-bit floats.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column
@@ -237,6 +238,8 @@ struct Summary {
     cells_above_one: usize,
     inverted_cells: usize,
     seconds: Seconds,
+    overlaps: u64,
+    beyond_f64: u64,
 }
 
 #[derive(Serialize)]
@@ -266,6 +269,8 @@ pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, tim
             overlap: timing.seconds("overlap"),
             write: timing.seconds("write"),
         },
+        overlaps: ledger.overlaps,
+        beyond_f64: ledger.beyond_f64,
     };
     let text = serde_json::to_string_pretty(&summary)?;
     AtomicFile::write(path, |out| writeln!(out, "{text}"))?;

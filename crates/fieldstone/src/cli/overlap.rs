@@ -89,6 +89,9 @@ impl OverlapCases {
         if self.method == Method::CentreSmoothed {
             bail!("--method centre-smoothed averages over neighbours, and a single element has none");
         }
+        if self.bound && self.method != Method::Kernel {
+            bail!("--bound goes with --method kernel; the other methods know no bound of their error");
+        }
         outputs::check("--out", &self.out, &[&self.cases])?;
         let table = CsvTable::read(&self.cases)?;
         let corner_count = kind.corner_count().unwrap_or(0);
