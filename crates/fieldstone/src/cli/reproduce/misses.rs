@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::Settings;
 use super::meshes::Lattice;
-use super::samples::{Trial, trials};
+use super::samples::{Schedule, Trial, trials};
 
 /// The ways to compute an overlap that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,10 +64,10 @@ impl Misses {
     }
 }
 
-/// A mesh, and how many of the settings' spheres are to be tried each way in it, given their number.
+/// A mesh, and how many spheres of a radius are to be tried each way in it.
 pub(super) struct Job {
     pub lattice: Lattice,
-    pub share: fn(way: Way, radius: f64, samples: u32) -> u32,
+    pub share: fn(way: Way, radius: f64, schedule: Schedule) -> u32,
 }
 
 /// Results of each job, radius by radius.
@@ -117,15 +117,15 @@ fn blocks_of_trials(settings: &Settings, job: &Job) -> Result<Vec<Vec<Task>>> {
     const CLASSES: [(f64, usize); 3] = [(1.0 + 1e-9, 20_000), (4.0 + 1e-9, 1_000), (f64::INFINITY, 250)];
     let mut classes: [Vec<Task>; 3] = Default::default();
     for (index, &radius) in settings.radii.iter().enumerate() {
-        let count = settings.schedule.at(radius);
-        let shares = Way::ALL.map(|way| (job.share)(way, radius, count));
+        let shares = Way::ALL.map(|way| (job.share)(way, radius, settings.schedule));
+        let count = shares.into_iter().max().unwrap_or(0);
         let class = CLASSES.iter().position(|c| radius <= c.0).unwrap_or(CLASSES.len() - 1);
         let wanted = trials(index, radius, count)?.into_iter().zip(0..);
         classes[class].extend(wanted.map(|(trial, k)| Task { trial, wanted: shares.map(|share| k < share) }));
     }
     let mut blocks = Vec::new();
     for (tasks, (_, size)) in classes.into_iter().zip(CLASSES) {
-        let mut tasks = tasks.into_iter().filter(|t| t.wanted.contains(&true)).peekable();
+        let mut tasks = tasks.into_iter().peekable();
         while tasks.peek().is_some() {
             blocks.push(tasks.by_ref().take(size).collect());
         }

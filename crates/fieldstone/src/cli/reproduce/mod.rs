@@ -50,7 +50,7 @@ struct Overlap {
     /// Spheres per radius up to 1; a tenth of it up to 4, a fiftieth above
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
-    /// The paper's 100,000 spheres at every radius: takes weeks of processor time
+    /// The paper's 100,000 spheres at every radius: takes months of processor time
     #[arg(long, conflicts_with = "samples")]
     full: bool,
     /// Only these figures, e.g. fig10,fig11

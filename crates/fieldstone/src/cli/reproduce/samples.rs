@@ -26,6 +26,14 @@ impl Schedule {
             Self::Thinned(n) => n.div_ceil(50),
         }
     }
+
+    /// One in `part` of them, where they are thinned at all.
+    pub fn part(self, radius: f64, part: u32) -> u32 {
+        match self {
+            Self::Full => PAPER_SAMPLES,
+            Self::Thinned(_) => self.at(radius).div_ceil(part),
+        }
+    }
 }
 
 /// 41 radii from 0.05 to 20, in 40 equal intervals of the logarithm (Sec. 5.1).
