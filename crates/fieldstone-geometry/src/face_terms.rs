@@ -57,7 +57,12 @@ pub struct FaceTerms<R> {
 pub fn face_terms<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> FaceTerms<R> {
     let zero = R::from_f64(0.0);
     let one = R::from_f64(1.0);
-    let d = normal.dot(corners[0]);
+    // By the nearest corner: the rounding of the distance grows with that of the corner it is measured by.
+    let nearest = corners.iter().fold((corners[0], corners[0].dot(corners[0])), |(best, least), &corner| {
+        let r2 = corner.dot(corner);
+        if r2 < least { (corner, r2) } else { (best, least) }
+    });
+    let d = normal.dot(nearest.0);
     let mut doubt = Doubt::default();
     doubt.about_cut(d);
     if d.abs() >= one {
