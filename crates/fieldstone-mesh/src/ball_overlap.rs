@@ -27,7 +27,7 @@ struct NotFromInside;
 /// near as 1/64 radius lose six bits, though hardly all at once.
 const INSIDE_ROUNDING: f64 = 32.0;
 
-/// Working memory of [`Mesh::overlap_ball`] and its siblings: one per thread.
+/// Working memory of [`crate::Cells::overlap_ball`] and its siblings: one per thread.
 ///
 /// Grows to one entry per face of the mesh; nothing has to be cleared between balls.
 #[derive(Debug, Clone)]

@@ -1,5 +1,7 @@
 //! `fieldstone reproduce overlap`: the files it leaves, the errors it finds, and that threads change neither.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 use std::process::Command;
 
