@@ -13,6 +13,11 @@ pub fn repository() -> PathBuf {
 }
 
 /// A file or folder of the data in the repository: below `data`, or among the demo's input.
+///
+/// ```
+/// assert!(fieldstone_testing::data("overlap-cases").is_dir());
+/// assert!(fieldstone_testing::data("bed_twist").is_dir());
+/// ```
 pub fn data(name: &str) -> PathBuf {
     let path = repository().join("data").join(name);
     if path.exists() { path } else { repository().join("crates/fieldstone/demo").join(name) }

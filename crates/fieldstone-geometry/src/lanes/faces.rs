@@ -94,26 +94,18 @@ struct Group<const N: usize> {
 impl<const N: usize> Group<N> {
     #[inline(always)]
     fn gather(faces: &[PlaneFace<N>], at: [usize; WIDTH]) -> Self {
-        let lane = |f: &dyn Fn(&PlaneFace<N>) -> f64| {
-            let mut out = [0.0; WIDTH];
-            for k in 0..WIDTH {
-                out[k] = f(&faces[at[k]]);
+        let mut normal = Vectors::zero();
+        let mut corners = [Vectors::zero(); N];
+        let mut inverse_lengths = [Lane::splat(0.0); N];
+        for (k, &index) in at.iter().enumerate() {
+            let face = &faces[index];
+            normal.set(k, face.normal);
+            for c in 0..N {
+                corners[c].set(k, face.corners[c]);
+                inverse_lengths[c].0[k] = face.inverse_lengths[c];
             }
-            Lane(out)
-        };
-        let vectors = |f: &dyn Fn(&PlaneFace<N>) -> [f64; 3]| Vectors {
-            x: lane(&|face| f(face)[0]),
-            y: lane(&|face| f(face)[1]),
-            z: lane(&|face| f(face)[2]),
-        };
-        let normal = vectors(&|face| face.normal);
-        let corners: [Vectors; N] = std::array::from_fn(|c| vectors(&|face| face.corners[c]));
-        Self {
-            normal,
-            corners,
-            inverse_lengths: std::array::from_fn(|c| lane(&|face| face.inverse_lengths[c])),
-            distance: normal.dot(corners[0]),
         }
+        Self { normal, corners, inverse_lengths, distance: normal.dot(corners[0]) }
     }
 
     /// Distance of P from the line of an edge, and the edge's ends along it.

@@ -147,6 +147,19 @@ pub(crate) struct Vectors {
 
 impl Vectors {
     #[inline(always)]
+    pub fn zero() -> Self {
+        Self { x: Lane::splat(0.0), y: Lane::splat(0.0), z: Lane::splat(0.0) }
+    }
+
+    /// Puts a vector into one of the eight places.
+    #[inline(always)]
+    pub fn set(&mut self, place: usize, v: [f64; 3]) {
+        self.x.0[place] = v[0];
+        self.y.0[place] = v[1];
+        self.z.0[place] = v[2];
+    }
+
+    #[inline(always)]
     pub fn dot(self, other: Self) -> Lane {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
