@@ -9,10 +9,10 @@ use std::io::Write as _;
 use std::path::Path;
 
 use fieldstone::fields::{Method, NeumaierSum, SolidFractionOptions, Weights, solid_fraction};
-use fieldstone::geometry::{Ball, Orientation, Polyhedron, overlap, overlap_volume};
+use fieldstone::geometry::{Ball, CornerOrder, ElementKind, Orientation, Polyhedron, overlap, overlap_volume};
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtu};
 use fieldstone::io::{ParticleOptions, read_frame, read_mesh};
-use fieldstone::mesh::{Cells, Grid, Mesh, Patch};
+use fieldstone::mesh::{CellList, Cells, Grid, Mesh, Patch};
 use fieldstone::particles::Particles;
 use fieldstone_testing::{data, extended};
 
@@ -360,6 +360,32 @@ fn the_comparison_of_the_two_paths_notices_one_part_in_a_billion() {
     println!("moved point: apart by {:.1e} min(V)", other.volume);
     assert!(same.volume < 2e-12, "{:e}", same.volume);
     assert!(other.volume > 1e-10, "{:e}", other.volume);
+}
+
+#[test]
+fn a_ball_that_passes_an_edge_within_rounding_has_no_area_in_the_cell() {
+    // A cube turned by 45° about z, so that the box around it says nothing near its edge at (1, 0, z).
+    let around = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    let points = [-1.0, 1.0].into_iter().flat_map(|z| around.map(|[x, y]| [x, y, z])).collect();
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &[0, 1, 2, 3, 4, 5, 6, 7]).unwrap();
+    let mesh = Mesh::from_cells(points, cells).unwrap();
+    let mut random = Random(9);
+    let mut doubtful = 0;
+    for _ in 0..300 {
+        let r = 10f64.powf(random.between(1.0, 4.0));
+        let angle = random.between(-0.7, 0.7);
+        // From just apart to cutting by a hair, in units of what rounding can tell.
+        let gap = random.between(-4.0, 20.0) * f64::EPSILON * r;
+        let centre = [1.0 + (r + gap) * angle.cos(), (r + gap) * angle.sin(), random.between(-0.5, 0.5)];
+        let ball = Ball::new(centre, r).unwrap();
+        let (mut found, mut areas) = (Vec::new(), Vec::new());
+        mesh.overlap_ball_areas(&ball, &mut mesh.scratch(), &mut found, &mut areas);
+        doubtful += found.len();
+        assert!(found.iter().all(|f| f.sphere_area < 1e-3), "{ball:?}: {found:?}");
+    }
+    println!("{doubtful} of 300 balls have some volume in the cell");
+    assert!(doubtful > 0 && doubtful < 300, "{doubtful}");
 }
 
 /// All cells as one: the polyhedron that the outer faces of a mesh enclose.
