@@ -58,4 +58,34 @@ pub enum ParticlesError {
         /// Upper bound.
         high: f64,
     },
+    /// A contact names a particle that the set does not have.
+    #[error(
+        "contact {index} names particle {particle}, but there are {particle_count}; give the contacts of the same frame"
+    )]
+    UnknownParticle {
+        /// Index of the contact, from 0.
+        index: usize,
+        /// Particle index named.
+        particle: u32,
+        /// Particles in the set.
+        particle_count: usize,
+    },
+    /// Both particles of a contact are the same one, and no periodic image lies between them.
+    #[error("contact {index} is of particle {particle} with itself; check which columns hold the two particles")]
+    SelfContact {
+        /// Index of the contact, from 0.
+        index: usize,
+        /// The particle.
+        particle: u32,
+    },
+    /// A force or vector of a contact is NaN or infinite.
+    #[error("contact {index} has {what} {value}; only finite numbers are accepted")]
+    ContactNotFinite {
+        /// Index of the contact, from 0.
+        index: usize,
+        /// Which vector it is.
+        what: &'static str,
+        /// The number found.
+        value: f64,
+    },
 }

@@ -6,10 +6,12 @@
 //!
 //! Units are the user's: nothing in this crate assumes SI, and nothing mixes two lengths of different units.
 
+mod contacts;
 mod domain;
 mod error;
 mod particles;
 
+pub use contacts::{Contact, Contacts, Partner};
 pub use domain::{Domain, Images};
 pub use error::ParticlesError;
 pub use particles::{Particles, Quantity};
