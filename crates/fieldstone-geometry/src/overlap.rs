@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::certified::{self, CertifiedOverlap, PROMISE, Precision, Wanted, certified_overlap};
+use crate::inside::inside_volume;
 use crate::{Ball, Polyhedron, Vector, face_terms};
 
 /// Everything that one evaluation of the kernel gives.
@@ -115,11 +116,16 @@ pub(crate) enum Placement {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> f64 {
+    volume_and_path(ball, polyhedron).0
+}
+
+/// The volume, and whether it took more digits than `f64` has.
+pub(crate) fn volume_and_path(ball: &Ball, polyhedron: &Polyhedron) -> (f64, bool) {
     let (volume, error) = fast_overlap_volume(ball, polyhedron);
     if error <= PROMISE * ball.volume().min(polyhedron.volume()) {
-        return volume;
+        return (volume, false);
     }
-    certified::beyond_f64(ball, polyhedron, Wanted::Volume).overlap.volume
+    (certified::beyond_f64(ball, polyhedron, Wanted::Volume).overlap.volume, true)
 }
 
 /// The volume in `f64` alone, with a bound of its error.
@@ -136,6 +142,17 @@ pub fn overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> f64 {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fast_overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
+    if let Some(frames) = polyhedron.frames() {
+        let found = inside_volume(ball, polyhedron, frames);
+        if found.error.is_finite() {
+            return (found.volume, found.error);
+        }
+    }
+    volume_from_outside(ball, polyhedron)
+}
+
+/// The volume by [`face_terms`], for any ball and polyhedron, with a bound of its error.
+fn volume_from_outside(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
     match placement(ball, polyhedron) {
         Placement::Apart => (0.0, 0.0),
         Placement::AllOfPolyhedron => (polyhedron.volume(), 2.0 * f64::EPSILON * polyhedron.volume()),
