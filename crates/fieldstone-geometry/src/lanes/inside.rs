@@ -56,16 +56,17 @@ impl<L: Lanes> Turning<L> {
         Self { re: like.like(1.0), im: like.like(0.0), turns: like.like(0.0) }
     }
 
-    /// Adds the angle of `re` + i `im`, in (−π, π).
+    /// Adds the angle of `re` + i `im`, in (−π, π].
     ///
     /// Two angles above 0 of which the sum is below have gone past half a turn, and the other way round. By signs alone, so
-    /// it is exact for the product as it is rounded.
+    /// it is exact for the product as it is rounded. Two angles of exactly π make a whole turn, which the sign of the product
+    /// does not show: that they are both beyond a quarter turn does.
     #[inline(always)]
     fn add(&mut self, re: L, im: L) {
         let (zero, one) = (re.like(0.0), re.like(1.0));
         let product = (self.re * re - self.im * im, self.re.mul_add(im, self.im * re));
         let (below, other, after) = (self.im.less(zero), im.less(zero), product.1.less(zero));
-        let up = L::select(!below & !other & after, one, zero);
+        let up = L::select(!below & !other & (after | (self.re.less(zero) & re.less(zero))), one, zero);
         let down = L::select(below & other & !after, one, zero);
         self.turns = self.turns + (up - down);
         (self.re, self.im) = product;
@@ -276,4 +277,47 @@ fn add_face<L: Lanes>(face: &Face<L>, plane: &Plane, scale: L, sums: &mut Inside
     sums.touched = sums.touched | meets;
     sums.sensitivity = sums.sensitivity + L::select(meets, scale.like(plane.flatness).mul_add(area, one), zero);
     sums.warped_area = scale.like(plane.warp).mul_add(area * scale, sums.warped_area);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lane::Single;
+    use super::*;
+
+    fn sum(factors: &[(f64, f64)]) -> f64 {
+        let mut turning = Turning::zero(Single::<false>(0.0));
+        for &(re, im) in factors {
+            turning.add(Single(re), Single(im));
+        }
+        turning.angle().0
+    }
+
+    #[test]
+    fn angles_of_exactly_half_a_turn_add_up_to_whole_turns() {
+        for zero in [0.0, -0.0] {
+            assert_eq!(sum(&[(-2.0, zero)]), PI);
+            assert_eq!(sum(&[(-1.0, 0.0), (-1.0, zero)]), TAU);
+            assert_eq!(sum(&[(0.0, 1.0), (0.0, 3.0), (-1.0, zero)]), TAU);
+            assert_eq!(sum(&[(0.0, -1.0), (0.0, -3.0)]), -PI);
+            assert_eq!(sum(&[(0.0, 1.0), (1.0, zero), (0.0, -1.0)]), 0.0);
+        }
+    }
+
+    #[test]
+    fn products_of_small_whole_numbers_never_lose_a_turn() {
+        // All signs, all zeros: against the sum of the arc tangents.
+        let numbers: Vec<(f64, f64)> = (-3..=3)
+            .flat_map(|x| (-3..=3).map(move |y| (f64::from(x), f64::from(y))))
+            .filter(|&z| z != (0.0, 0.0))
+            .collect();
+        for &a in &numbers {
+            for &b in &numbers {
+                for &c in &numbers {
+                    let expected = [a, b, c].iter().map(|z| z.1.atan2(z.0)).sum::<f64>();
+                    let found = sum(&[a, b, c]);
+                    assert!((found - expected).abs() < 1e-14, "{a:?} {b:?} {c:?}: {found} for {expected}");
+                }
+            }
+        }
+    }
 }
