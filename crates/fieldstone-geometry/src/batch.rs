@@ -1,6 +1,6 @@
 //! Volumes of many overlaps at once: many balls in one element, many elements in one ball, or any pairs.
 
-use crate::inside::{InsideVolume, inside_volume, inside_volumes};
+use crate::inside::{InsideScratch, InsideVolume, inside_volume, inside_volumes};
 use crate::overlap::volume_and_path;
 use crate::{Ball, Polyhedron};
 
@@ -30,6 +30,7 @@ pub struct OverlapBatch {
     ends: Vec<u32>,
     /// Pairs that need another formula or more digits.
     left_over: Vec<usize>,
+    scratch: InsideScratch,
     beyond_f64: u64,
     evaluated: u64,
 }
@@ -41,7 +42,7 @@ impl OverlapBatch {
     /// Where `out` is shorter than `balls`.
     pub fn balls_in_element(&mut self, balls: &[Ball], element: &Polyhedron, out: &mut [f64]) {
         check_room(balls.len(), out);
-        self.run(balls.iter().copied().enumerate(), element, out);
+        self.run(balls.len(), |k| (k, balls[k]), element, out);
         self.finish(|k| (&balls[k], element), out);
     }
 
@@ -52,7 +53,7 @@ impl OverlapBatch {
     pub fn ball_in_elements(&mut self, ball: &Ball, elements: &[Polyhedron], out: &mut [f64]) {
         check_room(elements.len(), out);
         for (k, element) in elements.iter().enumerate() {
-            self.run(std::iter::once((k, *ball)), element, out);
+            self.run(1, |_| (k, *ball), element, out);
         }
         self.finish(|k| (ball, &elements[k]), out);
     }
@@ -65,14 +66,15 @@ impl OverlapBatch {
     /// Where an index is out of range, or `out` is shorter than `pairs`.
     pub fn pairs(&mut self, balls: &[Ball], elements: &[Polyhedron], pairs: &[(u32, u32)], out: &mut [f64]) {
         check_room(pairs.len(), out);
-        let order = self.by_element(elements.len(), pairs);
+        let (order, ends) = self.by_element(elements.len(), pairs);
         let mut start = 0;
-        for (element, &end) in elements.iter().zip(&self.ends.clone()) {
+        for (element, &end) in elements.iter().zip(&ends) {
             let group = &order[start..end as usize];
             start = end as usize;
-            self.run(group.iter().map(|&k| (k as usize, balls[pairs[k as usize].0 as usize])), element, out);
+            let pair = |k: usize| (group[k] as usize, balls[pairs[group[k] as usize].0 as usize]);
+            self.run(group.len(), pair, element, out);
         }
-        self.order = order;
+        (self.order, self.ends) = (order, ends);
         self.finish(|k| (&balls[pairs[k].0 as usize], &elements[pairs[k].1 as usize]), out);
     }
 
@@ -82,47 +84,48 @@ impl OverlapBatch {
         (self.evaluated, self.beyond_f64)
     }
 
-    /// Pairs sorted by element, by counting; the ends of the groups are in `ends`.
-    fn by_element(&mut self, elements: usize, pairs: &[(u32, u32)]) -> Vec<u32> {
-        self.ends.clear();
-        self.ends.resize(elements, 0);
+    /// Pairs sorted by element, by counting, and the end of each element's pairs.
+    fn by_element(&mut self, elements: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+        let (mut order, mut ends) = (std::mem::take(&mut self.order), std::mem::take(&mut self.ends));
+        ends.clear();
+        ends.resize(elements, 0);
         for &(_, element) in pairs {
-            self.ends[element as usize] += 1;
+            ends[element as usize] += 1;
         }
         let mut sum = 0;
-        for end in &mut self.ends {
+        for end in &mut ends {
             // First the start of the group, which becomes its end as the group fills.
             (*end, sum) = (sum, sum + *end);
         }
-        let mut order = std::mem::take(&mut self.order);
-        order.clear();
         order.resize(pairs.len(), 0);
         for (k, &(_, element)) in pairs.iter().enumerate() {
-            let at = &mut self.ends[element as usize];
+            let at = &mut ends[element as usize];
             order[*at as usize] = k as u32;
             *at += 1;
         }
-        order
+        (order, ends)
     }
 
-    fn run(&mut self, balls: impl ExactSizeIterator<Item = (usize, Ball)>, element: &Polyhedron, out: &mut [f64]) {
+    /// The volumes of `count` balls in an element; `ball` says where each result goes.
+    fn run(&mut self, count: usize, ball: impl Fn(usize) -> (usize, Ball), element: &Polyhedron, out: &mut [f64]) {
         let Some(frames) = element.frames() else {
-            self.left_over.extend(balls.map(|(k, _)| k));
+            self.left_over.extend((0..count).map(|k| ball(k).0));
             return;
         };
-        let take = |k: usize, found: InsideVolume| {
+        let Self { left_over, evaluated, scratch, .. } = self;
+        let mut take = |k: usize, found: InsideVolume| {
+            let at = ball(k).0;
             if found.promised {
-                self.evaluated += u64::from(found.evaluated);
-                out[k] = found.volume;
+                *evaluated += u64::from(found.evaluated);
+                out[at] = found.volume;
             } else {
-                self.left_over.push(k);
+                left_over.push(at);
             }
         };
-        if balls.len() <= A_FEW {
-            let mut take = take;
-            balls.for_each(|(k, ball)| take(k, inside_volume(&ball, element, frames)));
+        if count <= A_FEW {
+            (0..count).for_each(|k| take(k, inside_volume(&ball(k).1, element, frames)));
         } else {
-            inside_volumes(balls, element, frames, take);
+            inside_volumes(count, |k| ball(k).1, element, frames, scratch, take);
         }
     }
 

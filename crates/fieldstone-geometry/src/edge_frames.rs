@@ -23,7 +23,7 @@ pub(crate) struct Plane {
     pub warp: f64,
 }
 
-/// An edge with its pieces.
+/// An edge between two pieces.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Edge {
     /// Unit vector along it.
@@ -32,8 +32,10 @@ pub(crate) struct Edge {
     pub start: f64,
     /// Its length.
     pub length: f64,
-    /// End of its sides in `EdgeFrames::sides`.
-    pub end: u32,
+    /// Where it lies in the planes of its pieces.
+    pub sides: [Side; 2],
+    /// A bit for each of its pieces.
+    pub pieces: u32,
 }
 
 /// An edge as a side of one piece.
@@ -47,15 +49,14 @@ pub(crate) struct Side {
     pub piece: u32,
 }
 
-/// Planes, edges and sides of a polyhedron, relative to its origin.
+/// Planes and edges of a polyhedron, relative to its origin.
 ///
-/// An edge belongs to two pieces (to more where solids touch along it). Its length, its part inside the ball and the
-/// distances of that part's ends are the same for all of them.
+/// The length of an edge, its part inside the ball and the distances of that part's ends are the same for both of its pieces.
+/// Where solids touch along an edge, more than two pieces have it in common: it is then listed once for every two of them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct EdgeFrames {
     pub planes: Vec<Plane>,
     pub edges: Vec<Edge>,
-    pub sides: Vec<Side>,
 }
 
 impl EdgeFrames {
@@ -83,17 +84,26 @@ impl EdgeFrames {
             }
         }
         uses.sort_unstable();
-        for edge in uses.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)) {
-            let (from, to) = (vertices[edge[0].0 as usize], vertices[edge[0].1 as usize]);
+        if uses.len() % 2 != 0 {
+            return None;
+        }
+        for pair in uses.chunks_exact(2) {
+            let ends = |k: usize| (pair[k].0, pair[k].1);
+            // Next to a piece without area, which has been left out.
+            if ends(0) != ends(1) {
+                return None;
+            }
+            let (from, to) = (vertices[ends(0).0 as usize], vertices[ends(0).1 as usize]);
             let length = (to - from).length();
             let along = (to - from) / length;
-            for &(_, _, piece, forward) in edge {
+            let sides = [0, 1].map(|k| {
+                let (_, _, piece, forward) = pair[k];
                 let normal = DVec3::from(this.planes[piece as usize].normal);
                 let outward = if forward { along.cross(normal) } else { normal.cross(along) };
-                this.sides.push(Side { outward: outward.to_array(), offset: outward.dot(from), piece });
-            }
-            let (start, end) = (along.dot(from), this.sides.len() as u32);
-            this.edges.push(Edge { along: along.to_array(), start, length, end });
+                Side { outward: outward.to_array(), offset: outward.dot(from), piece }
+            });
+            let pieces = 1 << sides[0].piece | 1 << sides[1].piece;
+            this.edges.push(Edge { along: along.to_array(), start: along.dot(from), length, sides, pieces });
         }
         Some(this)
     }

@@ -60,7 +60,7 @@ impl OneBall<'_> {
     fn volume<const FUSED: bool>(&self) -> InsideVolume {
         let origin = self.element.origin().to_array();
         let c = self.ball.centre();
-        let centre = [0, 1, 2].map(|k| Single::<FUSED>(c[k] - origin[k]));
+        let centre = [Single::<FUSED>(c[0] - origin[0]), Single(c[1] - origin[1]), Single(c[2] - origin[2])];
         let found = volumes(self.element, self.frames, centre, Single(self.ball.radius()));
         InsideVolume {
             volume: found.volume.0,
@@ -74,68 +74,144 @@ impl OneBall<'_> {
 /// Most numbers in a register.
 const WIDEST: usize = 8;
 
-/// Volumes of many balls in an element that has frames: calls `found` with the index of each ball.
-///
-/// The same bits as [`inside_volume`] gives.
-pub(crate) fn inside_volumes(
-    balls: impl Iterator<Item = (usize, Ball)>,
-    element: &Polyhedron,
-    frames: &EdgeFrames,
-    found: impl FnMut(usize, InsideVolume),
-) {
-    pulp::Arch::new().dispatch(ManyBalls { balls, element, frames, found });
+/// Balls that are sorted together: enough to fill registers with balls of one kind, few enough to stay in the cache.
+const CHUNK: usize = 512;
+
+/// Kinds of balls by the planes that they reach, six to a kind.
+const KINDS: usize = 64;
+
+/// Working memory of [`inside_volumes`].
+#[derive(Debug, Clone, Default)]
+pub(crate) struct InsideScratch {
+    /// x, y, z and the radius of each ball of a chunk, relative to the element's origin.
+    columns: [Vec<f64>; 4],
+    kinds: Vec<u8>,
+    order: Vec<u32>,
 }
 
-struct ManyBalls<'a, I, F> {
-    balls: I,
+/// Volumes of `count` balls in an element that has frames: calls `found` with the number of each ball, in any order.
+///
+/// Balls that reach the same planes share a register, so that a face or edge out of reach is passed over by all of them at once.
+/// The same bits as [`inside_volume`] gives.
+pub(crate) fn inside_volumes(
+    count: usize,
+    ball: impl Fn(usize) -> Ball,
+    element: &Polyhedron,
+    frames: &EdgeFrames,
+    scratch: &mut InsideScratch,
+    found: impl FnMut(usize, InsideVolume),
+) {
+    pulp::Arch::new().dispatch(ManyBalls { count, ball, element, frames, scratch, found });
+}
+
+struct ManyBalls<'a, B, F> {
+    count: usize,
+    ball: B,
     element: &'a Polyhedron,
     frames: &'a EdgeFrames,
+    scratch: &'a mut InsideScratch,
     found: F,
 }
 
-impl<I: Iterator<Item = (usize, Ball)>, F: FnMut(usize, InsideVolume)> WithSimd for ManyBalls<'_, I, F> {
+impl<B: Fn(usize) -> Ball, F: FnMut(usize, InsideVolume)> WithSimd for ManyBalls<'_, B, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut first = 0;
+        while first < self.count {
+            let count = CHUNK.min(self.count - first);
+            self.load(first, count);
+            self.sort(simd, count);
+            for start in (0..count).step_by(S::F64_LANES) {
+                self.evaluate(simd, first, start, count);
+            }
+            first += count;
+        }
+    }
+}
+
+impl<B: Fn(usize) -> Ball, F: FnMut(usize, InsideVolume)> ManyBalls<'_, B, F> {
+    #[inline(always)]
+    fn load(&mut self, first: usize, count: usize) {
         let origin = self.element.origin().to_array();
-        let (mut indices, mut count) = ([0; WIDEST], 0);
-        // x, y, z and the radius of a register's balls.
+        // The last register reads on to its end.
+        self.scratch.columns.iter_mut().for_each(|column| column.resize(count + WIDEST, 0.0));
+        for k in 0..count {
+            let ball = (self.ball)(first + k);
+            let c = ball.centre();
+            for axis in 0..3 {
+                self.scratch.columns[axis][k] = c[axis] - origin[axis];
+            }
+            self.scratch.columns[3][k] = ball.radius();
+        }
+    }
+
+    /// The order by kind, by counting.
+    #[inline(always)]
+    fn sort<S: Simd>(&mut self, simd: S, count: usize) {
+        let InsideScratch { columns, kinds, order } = &mut *self.scratch;
+        kinds.resize(count + WIDEST, 0);
+        let mut ends = [0u32; KINDS];
+        for start in (0..count).step_by(S::F64_LANES) {
+            let (x, y) = (Register::load(simd, &columns[0][start..]), Register::load(simd, &columns[1][start..]));
+            let (z, r) = (Register::load(simd, &columns[2][start..]), Register::load(simd, &columns[3][start..]));
+            let mut bits = r.like(0.0);
+            for (k, plane) in self.frames.planes.iter().enumerate() {
+                let n = plane.normal;
+                let distance = r.like(n[0]).mul_add(x, r.like(-plane.offset));
+                let distance = r.like(n[2]).mul_add(z, r.like(n[1]).mul_add(y, distance));
+                let bit = r.like(f64::from(1u32 << (k % 6)));
+                bits = bits + Register::select(distance.abs().less(r), bit, r.like(0.0));
+            }
+            let mut numbers = [0.0; WIDEST];
+            bits.store(&mut numbers);
+            for k in 0..S::F64_LANES.min(count - start) {
+                let kind = numbers[k] as u32 as u8 & (KINDS - 1) as u8;
+                kinds[start + k] = kind;
+                ends[kind as usize] += 1;
+            }
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            // First the start of the kind, which becomes its end as it fills.
+            (*end, sum) = (sum, sum + *end);
+        }
+        order.resize(count, 0);
+        for (k, &kind) in kinds[..count].iter().enumerate() {
+            let at = &mut ends[kind as usize];
+            order[*at as usize] = k as u32;
+            *at += 1;
+        }
+    }
+
+    /// Evaluates a register of balls, from `start` on in the order.
+    #[inline(always)]
+    fn evaluate<S: Simd>(&mut self, simd: S, first: usize, start: usize, count: usize) {
+        let end = count.min(start + S::F64_LANES);
+        let balls = &self.scratch.order[start..end];
         let mut numbers = [[0.0; WIDEST]; 4];
-        loop {
-            let next = self.balls.next();
-            if let Some((index, ball)) = next {
-                let c = ball.centre();
-                indices[count] = index;
-                for k in 0..3 {
-                    numbers[k][count] = c[k] - origin[k];
-                }
-                numbers[3][count] = ball.radius();
-                count += 1;
+        for k in 0..S::F64_LANES {
+            // A register that is not full repeats its last ball.
+            let ball = balls[k.min(balls.len() - 1)] as usize;
+            for (row, column) in numbers.iter_mut().zip(&self.scratch.columns) {
+                row[k] = column[ball];
             }
-            if count == S::F64_LANES || next.is_none() && count > 0 {
-                for row in &mut numbers {
-                    let last = row[count - 1];
-                    row[count..].fill(last);
-                }
-                let [x, y, z, r] = [0, 1, 2, 3].map(|k| Register::load(simd, &numbers[k]));
-                let result = volumes(self.element, self.frames, [x, y, z], r);
-                let mut out = [[0.0; WIDEST]; 4];
-                result.volume.store(&mut out[0]);
-                result.error.store(&mut out[1]);
-                let as_number = |mask| Register::select(mask, r.like(1.0), r.like(0.0));
-                as_number(result.promised).store(&mut out[2]);
-                as_number(result.settled).store(&mut out[3]);
-                for k in 0..count {
-                    let (volume, error) = (out[0][k], out[1][k]);
-                    let (promised, evaluated) = (out[2][k] != 0.0, out[3][k] == 0.0);
-                    (self.found)(indices[k], InsideVolume { volume, error, promised, evaluated });
-                }
-                count = 0;
-            }
-            if next.is_none() {
-                break;
-            }
+        }
+        let [x, y, z, r] = &numbers;
+        let centre = [Register::load(simd, x), Register::load(simd, y), Register::load(simd, z)];
+        let r = Register::load(simd, r);
+        let result = volumes(self.element, self.frames, centre, r);
+        let (zero, one) = (r.like(0.0), r.like(1.0));
+        let mut out = [[0.0; WIDEST]; 4];
+        result.volume.store(&mut out[0]);
+        result.error.store(&mut out[1]);
+        Register::select(result.promised, one, zero).store(&mut out[2]);
+        Register::select(result.settled, zero, one).store(&mut out[3]);
+        for (k, &ball) in balls.iter().enumerate() {
+            let (promised, evaluated) = (out[2][k] != 0.0, out[3][k] != 0.0);
+            let found = InsideVolume { volume: out[0][k], error: out[1][k], promised, evaluated };
+            (self.found)(first + ball as usize, found);
         }
     }
 }
@@ -174,13 +250,15 @@ fn volumes_of<L: Lanes, const N: usize>(
     let surely = r2 * radius.like(1.0 - MARGIN);
     // Where the far corner of the box is inside, all corners are; else they are looked at where they fit at all.
     let mut covered = !surely.less(far2);
-    let diagonal2 = radius.like(0.25 * (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>());
-    let perhaps = !covered & !r2.less(diagonal2);
+    let extent = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    let diagonal2 = extent[0] * extent[0] + extent[1] * extent[1] + extent[2] * extent[2];
+    let perhaps = !covered & !r2.less(radius.like(0.25 * diagonal2));
     if L::any(perhaps) {
         let mut all = perhaps;
         for v in element.vertices() {
             let v = v.to_array();
-            let [x, y, z] = [0, 1, 2].map(|k| radius.like(v[k]) - centre[k]);
+            let [x, y, z] =
+                [radius.like(v[0]) - centre[0], radius.like(v[1]) - centre[1], radius.like(v[2]) - centre[2]];
             let distance2 = z.mul_add(z, y.mul_add(y, x * x));
             all = all & !surely.less(distance2);
         }
@@ -197,7 +275,7 @@ fn volumes_of<L: Lanes, const N: usize>(
         return result;
     }
     let scale = one / radius;
-    let balls = PlacedBalls { centre: centre.map(|x| x * scale), scale };
+    let balls = PlacedBalls { centre: [centre[0] * scale, centre[1] * scale, centre[2] * scale], scale };
     let sums = sums_inside::<L, N>(frames, element.is_convex(), &balls);
     let r3 = r2 * radius;
     let ball_volume = r3 * radius.like(4.0 / 3.0 * PI);

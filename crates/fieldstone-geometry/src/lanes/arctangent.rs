@@ -27,29 +27,27 @@ const MIDDLE: f64 = 0.414_213_562_373_095_03;
 /// both; what is left is below π/16. Error at most 5e-16 relative to the angle.
 #[inline(always)]
 pub(super) fn atan2<L: Lanes>(y: L, x: L) -> L {
-    let constant = |c: f64| x.like(c);
-    let zero = constant(0.0);
+    // No closures here and in all that is written in lanes: they would not be compiled for the machine's registers.
+    let zero = x.like(0.0);
     let (ax, ay) = (x.abs(), y.abs());
     let steep = ax.less(ay);
     let (long, short) = (ax.max(ay), ax.min(ay));
     // Guards the zero vector, whose angle is then 0.
-    let long = long.max(constant(f64::MIN_POSITIVE));
-    let beyond_first = (long * constant(LIMITS[0])).less(short);
-    let beyond_second = (long * constant(LIMITS[1])).less(short);
-    let by = |second: f64, first: f64| {
-        L::select(beyond_second, constant(second), L::select(beyond_first, constant(first), zero))
-    };
-    let (tangent, base) = (by(1.0, MIDDLE), by(FRAC_PI_4, FRAC_PI_8));
+    let long = long.max(x.like(f64::MIN_POSITIVE));
+    let beyond_first = (long * x.like(LIMITS[0])).less(short);
+    let beyond_second = (long * x.like(LIMITS[1])).less(short);
+    let tangent = L::select(beyond_second, x.like(1.0), L::select(beyond_first, x.like(MIDDLE), zero));
+    let base = L::select(beyond_second, x.like(FRAC_PI_4), L::select(beyond_first, x.like(FRAC_PI_8), zero));
     let z = (-tangent).mul_add(long, short) / tangent.mul_add(short, long);
     let z2 = z * z;
-    let mut sum = constant(COEFFICIENTS[7]);
+    let mut sum = x.like(COEFFICIENTS[7]);
     for k in (0..7).rev() {
-        sum = sum.mul_add(z2, constant(COEFFICIENTS[k]));
+        sum = sum.mul_add(z2, x.like(COEFFICIENTS[k]));
     }
     // The leading 1 is kept apart: z itself carries all its digits.
     let angle = base + (z * z2).mul_add(sum, z);
-    let angle = L::select(steep, constant(FRAC_PI_2) - angle, angle);
-    let angle = L::select(x.less(zero), constant(PI) - angle, angle);
+    let angle = L::select(steep, x.like(FRAC_PI_2) - angle, angle);
+    let angle = L::select(x.less(zero), x.like(PI) - angle, angle);
     angle.with_sign_of(y)
 }
 

@@ -101,8 +101,8 @@ struct Face<L: Lanes> {
 
 #[inline(always)]
 fn dot<L: Lanes>(a: &[f64; 3], b: &[L; 3]) -> L {
-    let like = |k: usize| b[k].like(a[k]);
-    like(2).mul_add(b[2], like(1).mul_add(b[1], like(0) * b[0]))
+    let [x, y, z] = *b;
+    z.like(a[2]).mul_add(z, y.like(a[1]).mul_add(y, x.like(a[0]) * x))
 }
 
 /// Volume and error bound of unit balls with a polyhedron of up to N pieces, from the parts of its edges inside.
@@ -148,9 +148,12 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     let mut faces = [empty; N];
     let (mut apart, mut centre_inside) = (no, yes);
     let beyond_plane = scale.like(-1.0 - 1e-9);
-    for (face, plane) in faces.iter_mut().zip(&frames.planes) {
+    // A bit for each piece that any of the balls reaches.
+    let mut in_reach = 0u32;
+    for (k, (face, plane)) in faces.iter_mut().zip(&frames.planes).enumerate() {
         face.distance = scale.like(plane.offset).mul_add(scale, -dot(&plane.normal, &balls.centre));
         face.reached = face.distance.abs().less(one);
+        in_reach |= u32::from(L::any(face.reached)) << k;
         apart = apart | face.distance.less(beyond_plane);
         centre_inside = centre_inside & !face.distance.less(zero);
     }
@@ -164,18 +167,20 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         doubtful: no,
     };
     let mut angle = Turning::zero(scale);
-    let mut first = 0;
+    let mut any_edge = false;
     for edge in &frames.edges {
-        let sides = &frames.sides[first..edge.end as usize];
-        first = edge.end as usize;
-        add_edge(edge, sides, balls, &mut faces, &mut angle, &mut sums.doubtful);
+        if edge.pieces & in_reach != 0 {
+            any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.doubtful);
+        }
     }
-    for (face, plane) in faces.iter().zip(&frames.planes) {
-        if L::any(face.reached) {
+    for (k, (face, plane)) in faces.iter().zip(&frames.planes).enumerate() {
+        if in_reach >> k & 1 == 1 {
             add_face(face, plane, scale, &mut sums);
         }
     }
-    sums.volume3 = sums.volume3 - angle.angle();
+    if any_edge {
+        sums.volume3 = sums.volume3 - angle.angle();
+    }
     if !convex {
         // Without the 4π of a centre inside the sum lies between −4π and 0, otherwise between 0 and 4π.
         let undecided = scale.like(1e-9);
@@ -186,48 +191,49 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     sums
 }
 
+/// Distance of the centre's foot from an edge's line, positive on the piece's side.
+#[inline(always)]
+fn from_line<L: Lanes>(side: &Side, balls: &PlacedBalls<L>) -> L {
+    balls.scale.like(side.offset).mul_add(balls.scale, -dot(&side.outward, &balls.centre))
+}
+
+/// Adds an edge to the sums of its faces; whether any of it is inside a ball.
 #[inline(always)]
 fn add_edge<L: Lanes, const N: usize>(
     edge: &Edge,
-    sides: &[Side],
     balls: &PlacedBalls<L>,
     faces: &mut [Face<L>; N],
     angle: &mut Turning<L>,
     doubtful: &mut L::Mask,
-) {
+) -> bool {
     let scale = balls.scale;
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
-    let mut reached = zero.less(zero);
-    let mut first = None;
-    for side in sides {
-        let face = &mut faces[side.piece as usize];
-        if L::any(face.reached) {
-            reached = reached | face.reached;
-            let h = scale.like(side.offset).mul_add(scale, -dot(&side.outward, &balls.centre));
-            face.foot_inside = face.foot_inside & !h.less(zero);
-            first = first.or(Some((h, face.distance)));
-        }
+    let [one_side, other_side] = &edge.sides;
+    let at = [one_side.piece as usize % N, other_side.piece as usize % N];
+    let h = [from_line(one_side, balls), from_line(other_side, balls)];
+    for k in 0..2 {
+        faces[at[k]].foot_inside = faces[at[k]].foot_inside & !h[k].less(zero);
     }
-    let Some((h, d)) = first else { return };
-    let beyond = d.mul_add(d, h * h);
-    let half_chord2 = (one - d).mul_add(one + d, -(h * h));
-    let inside = reached & zero.less(half_chord2);
-    if !L::any(inside) {
-        return;
+    let d = faces[at[0]].distance;
+    let h2 = h[0] * h[0];
+    let half_chord2 = (one - d).mul_add(one + d, -h2);
+    if !L::any(zero.less(half_chord2)) {
+        return false;
     }
     let t = half_chord2.max(zero).sqrt();
     let a = scale.like(edge.start).mul_add(scale, -dot(&edge.along, &balls.centre));
     let b = scale.like(edge.length).mul_add(scale, a);
     let (low, high) = (a.max(-t), b.min(t));
-    let inside = inside & low.less(high);
+    let inside = zero.less(half_chord2) & low.less(high);
     if !L::any(inside) {
-        return;
+        return false;
     }
+    let beyond = d.mul_add(d, h2);
     let near2 = scale.like(NEAR * NEAR);
     let nearest = low.max(high.min(zero));
-    *doubtful = *doubtful | (inside & nearest.mul_add(nearest, beyond).less(near2));
     let corner = a.abs().min(b.abs());
     let corner2 = corner * corner;
+    *doubtful = *doubtful | (inside & nearest.mul_add(nearest, beyond).less(near2));
 
     let (r_low, r_high) = (low.mul_add(low, beyond).sqrt(), high.mul_add(high, beyond).sqrt());
     let width = high - low;
@@ -240,9 +246,9 @@ fn add_edge<L: Lanes, const N: usize>(
     let lever = L::select(one_side, beyond * width * (high + low).abs(), far - close);
     let radii = r_low * r_high;
 
-    for side in sides {
-        let face = &mut faces[side.piece as usize];
-        let h = scale.like(side.offset).mul_add(scale, -dot(&side.outward, &balls.centre));
+    for k in 0..2 {
+        let face = &mut faces[at[k]];
+        let h = h[k];
         let h2 = h * h;
         let d = face.distance.abs();
         *doubtful = *doubtful | (inside & (h2 + corner2).less(near2));
@@ -258,6 +264,7 @@ fn add_edge<L: Lanes, const N: usize>(
         angle.add(L::select(inside, difference.0, one), L::select(inside, signed, zero));
     }
     angle.renormalise();
+    true
 }
 
 #[inline(always)]

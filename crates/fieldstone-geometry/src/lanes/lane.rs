@@ -109,12 +109,12 @@ impl<S: Simd> Register<S> {
     /// The first numbers of a slice, as many as fit.
     #[inline(always)]
     pub fn load(simd: S, numbers: &[f64]) -> Self {
-        Self(simd, simd.partial_load_f64s(&numbers[..S::F64_LANES]))
+        Self(simd, S::as_simd_f64s(numbers).0[0])
     }
 
     #[inline(always)]
     pub fn store(self, numbers: &mut [f64]) {
-        self.0.partial_store_f64s(&mut numbers[..S::F64_LANES], self.1);
+        S::as_mut_simd_f64s(numbers).0[0] = self.1;
     }
 
     #[inline(always)]
