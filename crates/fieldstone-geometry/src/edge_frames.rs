@@ -7,6 +7,9 @@ use crate::polyhedron::Piece;
 /// Most planar pieces of a polyhedron that [`crate::inside`] takes on: a hexahedron has 24 if all its faces are warped.
 pub(crate) const MOST_PIECES: usize = 32;
 
+/// Most edges: one bit each.
+const MOST_EDGES: usize = 64;
+
 /// Most corners of a piece: products of as many complex numbers do not underflow.
 const MOST_CORNERS: usize = 16;
 
@@ -21,6 +24,8 @@ pub(crate) struct Plane {
     pub flatness: f64,
     /// See [`crate::warp_bound`].
     pub warp: f64,
+    /// A bit for each of its edges.
+    pub edges: u64,
 }
 
 /// An edge between two pieces.
@@ -34,8 +39,6 @@ pub(crate) struct Edge {
     pub length: f64,
     /// Where it lies in the planes of its pieces.
     pub sides: [Side; 2],
-    /// A bit for each of its pieces.
-    pub pieces: u32,
 }
 
 /// An edge as a side of one piece.
@@ -61,7 +64,7 @@ pub(crate) struct EdgeFrames {
 
 impl EdgeFrames {
     /// The frames of pieces with their corners, indices into `vertices`; `None` where a piece is not convex, has too
-    /// many corners, or there are too many pieces.
+    /// many corners, or there are too many pieces or edges.
     pub fn new<'a>(vertices: &[DVec3], rings: impl Iterator<Item = (&'a Piece, &'a [u32])>) -> Option<Self> {
         let mut this = Self::default();
         // (lower corner, higher corner, piece, whether the piece runs from the lower to the higher)
@@ -77,6 +80,7 @@ impl EdgeFrames {
                 offset: piece.normal.dot(at(0)),
                 flatness: piece.flatness,
                 warp: piece.warp,
+                edges: 0,
             });
             for (k, &a) in corners.iter().enumerate() {
                 let b = corners[(k + 1) % corners.len()];
@@ -84,7 +88,7 @@ impl EdgeFrames {
             }
         }
         uses.sort_unstable();
-        if uses.len() % 2 != 0 {
+        if uses.len() % 2 != 0 || uses.len() > 2 * MOST_EDGES {
             return None;
         }
         for pair in uses.chunks_exact(2) {
@@ -102,8 +106,10 @@ impl EdgeFrames {
                 let outward = if forward { along.cross(normal) } else { normal.cross(along) };
                 Side { outward: outward.to_array(), offset: outward.dot(from), piece }
             });
-            let pieces = 1 << sides[0].piece | 1 << sides[1].piece;
-            this.edges.push(Edge { along: along.to_array(), start: along.dot(from), length, sides, pieces });
+            for side in &sides {
+                this.planes[side.piece as usize].edges |= 1 << this.edges.len();
+            }
+            this.edges.push(Edge { along: along.to_array(), start: along.dot(from), length, sides });
         }
         Some(this)
     }

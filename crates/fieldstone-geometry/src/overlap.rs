@@ -121,9 +121,17 @@ pub fn overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> f64 {
 
 /// The volume, and whether it took more digits than `f64` has.
 pub(crate) fn volume_and_path(ball: &Ball, polyhedron: &Polyhedron) -> (f64, bool) {
-    let (volume, error) = fast_overlap_volume(ball, polyhedron);
-    if error <= PROMISE * ball.volume().min(polyhedron.volume()) {
-        return (volume, false);
+    let inside = polyhedron.frames().map(|frames| inside_volume(ball, polyhedron, frames));
+    if let Some(found) = inside
+        && found.promised
+    {
+        return (found.volume, false);
+    }
+    if inside.is_none_or(|found| !found.error.is_finite()) {
+        let (volume, error) = volume_from_outside(ball, polyhedron);
+        if error <= PROMISE * ball.volume().min(polyhedron.volume()) {
+            return (volume, false);
+        }
     }
     (certified::beyond_f64(ball, polyhedron, Wanted::Volume).overlap.volume, true)
 }

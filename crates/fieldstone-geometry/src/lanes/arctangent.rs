@@ -40,15 +40,22 @@ pub(super) fn atan2<L: Lanes>(y: L, x: L) -> L {
     let base = L::select(beyond_second, x.like(FRAC_PI_4), L::select(beyond_first, x.like(FRAC_PI_8), zero));
     let z = (-tangent).mul_add(long, short) / tangent.mul_add(short, long);
     let z2 = z * z;
-    let mut sum = x.like(COEFFICIENTS[7]);
-    for k in (0..7).rev() {
-        sum = sum.mul_add(z2, x.like(COEFFICIENTS[k]));
-    }
+    // In pairs, pairs of pairs: a third of the time that one coefficient after the other would take.
+    let z4 = z2 * z2;
+    let low = pair(2, z2).mul_add(z4, pair(0, z2));
+    let high = pair(6, z2).mul_add(z4, pair(4, z2));
+    let sum = high.mul_add(z4 * z4, low);
     // The leading 1 is kept apart: z itself carries all its digits.
     let angle = base + (z * z2).mul_add(sum, z);
     let angle = L::select(steep, x.like(FRAC_PI_2) - angle, angle);
     let angle = L::select(x.less(zero), x.like(PI) - angle, angle);
     angle.with_sign_of(y)
+}
+
+/// Two terms of the polynomial, from k on.
+#[inline(always)]
+fn pair<L: Lanes>(k: usize, z2: L) -> L {
+    z2.like(COEFFICIENTS[k + 1]).mul_add(z2, z2.like(COEFFICIENTS[k]))
 }
 
 #[cfg(test)]

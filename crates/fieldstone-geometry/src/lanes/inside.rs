@@ -12,7 +12,10 @@ use crate::edge_frames::{Edge, EdgeFrames, Plane, Side};
 const NEAR: f64 = 1.0 / 64.0;
 
 /// Complex numbers below this have no angle that matters: see [`sums_inside`].
-const VANISHING: f64 = 1e-100;
+const VANISHING: f64 = 1e-60;
+
+/// Products below this are scaled up: two more factors of some 1e-80 must not underflow.
+const SMALL_PRODUCT: f64 = 1e-100;
 
 /// Balls as the kernel wants them: relative to the polyhedron's origin.
 #[derive(Debug, Clone, Copy)]
@@ -72,11 +75,14 @@ impl<L: Lanes> Turning<L> {
         (self.re, self.im) = product;
     }
 
-    /// Scales the product to the size of 1.
+    /// Scales the product to the size of 1 where it has become small.
     #[inline(always)]
     fn renormalise(&mut self) {
-        let scale = self.re.abs().max(self.im.abs()).inverse_power_of_two();
-        (self.re, self.im) = (self.re * scale, self.im * scale);
+        let size = self.re.abs().max(self.im.abs());
+        if L::any(size.less(size.like(SMALL_PRODUCT))) {
+            let scale = size.inverse_power_of_two();
+            (self.re, self.im) = (self.re * scale, self.im * scale);
+        }
     }
 
     #[inline(always)]
@@ -95,8 +101,27 @@ struct Face<L: Lanes> {
     /// Whether the foot P of the centre is inside all edges.
     foot_inside: L::Mask,
     any_edge: bool,
+    /// $\sum h (b - a)$.
     triangles: L,
-    turn: Turning<L>,
+    /// The product of the complex numbers whose angles are Δφ.
+    turn: (L, L),
+}
+
+impl<L: Lanes> Face<L> {
+    /// $\sum \Delta\varphi$ over the pieces of edges inside the disc of a convex polygon.
+    ///
+    /// From outside, a convex polygon is seen under less than half a turn, so the angle of the product is the sum. From
+    /// inside the sum is between 0 and a whole turn: it is the angle, or a turn more. Where the angle is near 0, so that rounding
+    /// may have taken its sign, it is a turn more if the triangles have an area: their edges are 1/64 away at least.
+    #[inline(always)]
+    fn turn(&self) -> L {
+        let zero = self.distance.like(0.0);
+        let tiny = self.distance.like(1e-6);
+        // −0 would be the angle −π.
+        let angle = atan2(self.turn.1 + zero, self.turn.0);
+        let more = angle.less(-tiny) | (angle.less(tiny) & tiny.less(self.triangles));
+        angle + L::select(self.foot_inside & more, angle.like(TAU), zero)
+    }
 }
 
 #[inline(always)]
@@ -137,23 +162,19 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     let scale = balls.scale;
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
     let (no, yes) = (zero.less(zero), zero.less(one));
-    let empty = Face {
-        distance: one,
-        reached: no,
-        foot_inside: yes,
-        any_edge: false,
-        triangles: zero,
-        turn: Turning::zero(scale),
-    };
+    let empty =
+        Face { distance: one, reached: no, foot_inside: yes, any_edge: false, triangles: zero, turn: (one, zero) };
     let mut faces = [empty; N];
     let (mut apart, mut centre_inside) = (no, yes);
     let beyond_plane = scale.like(-1.0 - 1e-9);
-    // A bit for each piece that any of the balls reaches.
-    let mut in_reach = 0u32;
+    // A bit for each piece that any of the balls reaches, and for each of their edges.
+    let (mut in_reach, mut edges_in_reach) = (0u32, 0u64);
     for (k, (face, plane)) in faces.iter_mut().zip(&frames.planes).enumerate() {
         face.distance = scale.like(plane.offset).mul_add(scale, -dot(&plane.normal, &balls.centre));
         face.reached = face.distance.abs().less(one);
-        in_reach |= u32::from(L::any(face.reached)) << k;
+        let any = L::any(face.reached);
+        in_reach |= u32::from(any) << k;
+        edges_in_reach |= if any { plane.edges } else { 0 };
         apart = apart | face.distance.less(beyond_plane);
         centre_inside = centre_inside & !face.distance.less(zero);
     }
@@ -168,15 +189,15 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     };
     let mut angle = Turning::zero(scale);
     let mut any_edge = false;
-    for edge in &frames.edges {
-        if edge.pieces & in_reach != 0 {
-            any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.doubtful);
-        }
+    while edges_in_reach != 0 {
+        let edge = &frames.edges[edges_in_reach.trailing_zeros() as usize];
+        edges_in_reach &= edges_in_reach - 1;
+        any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.doubtful);
     }
-    for (k, (face, plane)) in faces.iter().zip(&frames.planes).enumerate() {
-        if in_reach >> k & 1 == 1 {
-            add_face(face, plane, scale, &mut sums);
-        }
+    while in_reach != 0 {
+        let k = in_reach.trailing_zeros() as usize % N;
+        in_reach &= in_reach - 1;
+        add_face(&faces[k], &frames.planes[k], scale, &mut sums);
     }
     if any_edge {
         sums.volume3 = sums.volume3 - angle.angle();
@@ -208,23 +229,34 @@ fn add_edge<L: Lanes, const N: usize>(
 ) -> bool {
     let scale = balls.scale;
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
-    let [one_side, other_side] = &edge.sides;
-    let at = [one_side.piece as usize % N, other_side.piece as usize % N];
-    let h = [from_line(one_side, balls), from_line(other_side, balls)];
-    for k in 0..2 {
-        faces[at[k]].foot_inside = faces[at[k]].foot_inside & !h[k].less(zero);
+    let [first, second] = &edge.sides;
+    let (i, j) = (first.piece as usize % N, second.piece as usize % N);
+    let mut h = [zero; 2];
+    if L::any(faces[i].reached) {
+        h[0] = from_line(first, balls);
+        faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
+        // An edge inside the ball has both of its planes in reach.
+        if !L::any(faces[j].reached) {
+            return false;
+        }
     }
-    let d = faces[at[0]].distance;
+    h[1] = from_line(second, balls);
+    faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
+    if !L::any(faces[i].reached) {
+        return false;
+    }
+    let d = faces[i].distance;
     let h2 = h[0] * h[0];
     let half_chord2 = (one - d).mul_add(one + d, -h2);
-    if !L::any(zero.less(half_chord2)) {
+    let entered = faces[i].reached & faces[j].reached & zero.less(half_chord2);
+    if !L::any(entered) {
         return false;
     }
     let t = half_chord2.max(zero).sqrt();
     let a = scale.like(edge.start).mul_add(scale, -dot(&edge.along, &balls.centre));
     let b = scale.like(edge.length).mul_add(scale, a);
     let (low, high) = (a.max(-t), b.min(t));
-    let inside = zero.less(half_chord2) & low.less(high);
+    let inside = entered & low.less(high);
     if !L::any(inside) {
         return false;
     }
@@ -232,8 +264,9 @@ fn add_edge<L: Lanes, const N: usize>(
     let near2 = scale.like(NEAR * NEAR);
     let nearest = low.max(high.min(zero));
     let corner = a.abs().min(b.abs());
-    let corner2 = corner * corner;
-    *doubtful = *doubtful | (inside & nearest.mul_add(nearest, beyond).less(near2));
+    let to_corner2 = corner.mul_add(corner, h2.min(h[1] * h[1]));
+    let to_edge2 = nearest.mul_add(nearest, beyond);
+    *doubtful = *doubtful | (inside & to_edge2.min(to_corner2).less(near2));
 
     let (r_low, r_high) = (low.mul_add(low, beyond).sqrt(), high.mul_add(high, beyond).sqrt());
     let width = high - low;
@@ -246,21 +279,19 @@ fn add_edge<L: Lanes, const N: usize>(
     let lever = L::select(one_side, beyond * width * (high + low).abs(), far - close);
     let radii = r_low * r_high;
 
-    for k in 0..2 {
-        let face = &mut faces[at[k]];
-        let h = h[k];
+    for (at, h) in [(i, h[0]), (j, h[1])] {
+        let face = &mut faces[at];
         let h2 = h * h;
         let d = face.distance.abs();
-        *doubtful = *doubtful | (inside & (h2 + corner2).less(near2));
         let z = (h2 + product, h * width);
-        let w = (h2.mul_add(radii, d * d * product) * divisor, h * d * lever);
-        let vanishing = w.0.abs().max(w.1.abs()).less(scale.like(VANISHING));
-        let w = (L::select(vanishing, one, w.0), L::select(vanishing, zero, w.1));
+        let w = (h2.mul_add(radii, d * d * product).mul_add(divisor, scale.like(VANISHING)), h * d * lever);
         let difference = (z.0.mul_add(w.0, z.1 * w.1), z.1 * w.0 - z.0 * w.1);
         let signed = L::select(face.distance.less(zero), -difference.1, difference.1);
+        let z = (L::select(inside, z.0, one), L::select(inside, z.1, zero));
+        let t = face.turn;
         face.any_edge = true;
-        face.triangles = face.triangles + L::select(inside, z.1, zero);
-        face.turn.add(L::select(inside, z.0, one), L::select(inside, z.1, zero));
+        face.triangles = face.triangles + z.1;
+        face.turn = (t.0 * z.0 - t.1 * z.1, t.0.mul_add(z.1, t.1 * z.0));
         angle.add(L::select(inside, difference.0, one), L::select(inside, signed, zero));
     }
     angle.renormalise();
@@ -274,7 +305,7 @@ fn add_face<L: Lanes>(face: &Face<L>, plane: &Plane, scale: L, sums: &mut Inside
     let to_pole = one - d.abs();
     let s2 = to_pole * (one + d.abs());
     let whole = L::select(face.foot_inside, scale.like(TAU), zero);
-    let rest = if face.any_edge { whole - face.turn.angle() } else { whole };
+    let rest = if face.any_edge { whole - face.turn() } else { whole };
     let area = scale.like(0.5) * s2.mul_add(rest, face.triangles);
     let area = L::select(face.reached, area.max(zero), zero);
     let rest = L::select(face.reached, rest, zero);
