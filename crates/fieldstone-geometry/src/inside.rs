@@ -5,12 +5,13 @@ use std::f64::consts::PI;
 use pulp::{Simd, WithSimd};
 
 use crate::edge_frames::{EdgeFrames, MOST_PIECES};
-use crate::lanes::{Lanes, PlacedBalls, Register, Single, sums_inside};
+use crate::lanes::{Lanes, NEAR2, PlacedBalls, Register, Single, sums_inside};
 use crate::{Ball, PROMISE, Polyhedron};
 
-/// Rounding error of the volume, in units of ε r³, beyond what [`crate::ErrorBound`] counts: angles at points as near as
-/// 1/64 radius lose six bits, though hardly all at once.
-const INSIDE_ROUNDING: f64 = 32.0;
+/// Rounding error of the volume in units of ε ρ r³ / δ, beyond what [`crate::ErrorBound`] counts, with ρ the distance of the
+/// farthest corner, which the rounding of distances grows with, and δ that of the nearest edge from the centre, or of a
+/// corner from the centre's foot, where angles lose 1/δ.
+const NEAR_ROUNDING: f64 = 8.0;
 
 /// Margin of decisions on squared distances, as in [`crate::overlap::placement`].
 const MARGIN: f64 = 8.0 * f64::EPSILON;
@@ -285,10 +286,12 @@ fn volumes_of<L: Lanes, const N: usize>(
     let volume = L::select(sums.touched, volume, untouched);
     let volume = L::select(sums.apart, zero, volume);
     let reach = far2.sqrt() * scale;
-    let sensitivity = (radius.like(4.0) * reach).mul_add(sums.sensitivity, radius.like(8.0 + INSIDE_ROUNDING));
+    let near = radius.like(NEAR_ROUNDING) / sums.nearest2.sqrt();
+    let sensitivity = reach.mul_add(radius.like(4.0).mul_add(sums.sensitivity, near), radius.like(8.0));
     let error = radius.like(f64::EPSILON).mul_add(sensitivity, sums.warped_area) * r3;
     let error = L::select(sums.apart, zero, error);
-    let error = L::select(sums.doubtful & !sums.apart, radius.like(f64::INFINITY), error);
+    let doubtful = sums.nearest2.less(radius.like(NEAR2)) & !sums.apart;
+    let error = L::select(doubtful, radius.like(f64::INFINITY), error);
     result.volume = L::select(settled, result.volume, volume);
     result.error = L::select(settled, result.error, error);
     result.promised = settled | !(radius.like(PROMISE) * smaller).less(error);

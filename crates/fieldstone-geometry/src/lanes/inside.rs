@@ -11,6 +11,9 @@ use crate::edge_frames::{Edge, EdgeFrames, Plane, Side};
 /// The angles at a point at distance δ lose 1/δ in accuracy. Nearer points, some 0.1 % of all, take the slow way.
 const NEAR: f64 = 1.0 / 64.0;
 
+/// Square of the distance that [`InsideSums::nearest2`] must have for the sums to be sound.
+pub(crate) const NEAR2: f64 = NEAR * NEAR;
+
 /// Complex numbers below this have no angle that matters: see [`sums_inside`].
 const VANISHING: f64 = 1e-60;
 
@@ -41,8 +44,8 @@ pub(crate) struct InsideSums<L: Lanes> {
     pub apart: L::Mask,
     /// Whether the centre is in the polyhedron.
     pub centre_inside: L::Mask,
-    /// Whether this is not to be trusted.
-    pub doubtful: L::Mask,
+    /// The least distance, squared, of the centre from a piece of an edge, and of its foot from a corner; 1 without any.
+    pub nearest2: L,
 }
 
 /// The sum of angles, kept as a product of complex numbers and a count of turns.
@@ -149,8 +152,8 @@ fn dot<L: Lanes>(a: &[f64; 3], b: &[L; 3]) -> L {
 /// $b R_a - a R_b$) is computed once for both of its faces.
 ///
 /// Unlike there, the terms are not continuous: they jump where the centre passes through a face, all together and
-/// by a whole turn. That is sound only while it is beyond doubt which face the centre passes, so where it is near an edge the
-/// result is `doubtful`. Where h and d are both near zero, so is the number whose angle ΔG is, while |ΔG| ≤ |d Δφ|: it is left out.
+/// by a whole turn. That is sound only while it is beyond doubt which face the centre passes, so not where it is near an edge:
+/// `nearest2` tells, and is 0 where a sum near 0 hides whether the centre is in a polyhedron that is not convex. Where h and d are both near zero, so is the number whose angle ΔG is, while |ΔG| ≤ |d Δφ|: it is left out.
 ///
 /// Source: derived here; products of angles with turns counted by signs.
 #[inline(always)]
@@ -185,14 +188,14 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         touched: no,
         apart: if convex { apart } else { no },
         centre_inside,
-        doubtful: no,
+        nearest2: one,
     };
     let mut angle = Turning::zero(scale);
     let mut any_edge = false;
     while edges_in_reach != 0 {
         let edge = &frames.edges[edges_in_reach.trailing_zeros() as usize];
         edges_in_reach &= edges_in_reach - 1;
-        any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.doubtful);
+        any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.nearest2);
     }
     while in_reach != 0 {
         let k = in_reach.trailing_zeros() as usize % N;
@@ -204,9 +207,9 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     }
     if !convex {
         // Without the 4π of a centre inside the sum lies between −4π and 0, otherwise between 0 and 4π.
-        let undecided = scale.like(1e-9);
+        let undecided = sums.volume3.abs().less(scale.like(1e-9));
         sums.centre_inside = sums.volume3.less(zero);
-        sums.doubtful = sums.doubtful | sums.volume3.abs().less(undecided);
+        sums.nearest2 = L::select(undecided, zero, sums.nearest2);
     }
     sums.volume3 = sums.volume3 + L::select(sums.centre_inside, scale.like(4.0 * PI), zero);
     sums
@@ -225,7 +228,7 @@ fn add_edge<L: Lanes, const N: usize>(
     balls: &PlacedBalls<L>,
     faces: &mut [Face<L>; N],
     angle: &mut Turning<L>,
-    doubtful: &mut L::Mask,
+    nearest2: &mut L,
 ) -> bool {
     let scale = balls.scale;
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
@@ -261,12 +264,11 @@ fn add_edge<L: Lanes, const N: usize>(
         return false;
     }
     let beyond = d.mul_add(d, h2);
-    let near2 = scale.like(NEAR * NEAR);
     let nearest = low.max(high.min(zero));
     let corner = a.abs().min(b.abs());
     let to_corner2 = corner.mul_add(corner, h2.min(h[1] * h[1]));
     let to_edge2 = nearest.mul_add(nearest, beyond);
-    *doubtful = *doubtful | (inside & to_edge2.min(to_corner2).less(near2));
+    *nearest2 = L::select(inside, nearest2.min(to_edge2.min(to_corner2)), *nearest2);
 
     let (r_low, r_high) = (low.mul_add(low, beyond).sqrt(), high.mul_add(high, beyond).sqrt());
     let width = high - low;
