@@ -21,9 +21,10 @@ use crate::{FrameReader, IoError, ParticleOptions};
 /// | `name[1] … name[n]`, all of them | `name` with n components |
 /// | `mass`, `density` or `rho`, any other | a scalar of that name |
 ///
-/// Columns may stand in any order, rows keep the file's order. An orthogonal box becomes the particles'
-/// domain with its periodic directions. A tilted box does not: positions are read, the domain is left out, and
-/// [`FrameReader::warnings`] says so. Text columns are passed over, with a warning too.
+/// Columns may stand in any order, rows keep the file's order. The box becomes the particles' domain with its
+/// periodic directions, orthogonal or triclinic (`BOX BOUNDS xy xz yz`, whose bounds are those of the box around
+/// the tilted one; `BOX BOUNDS abc origin` where `a` is along x and `b` in the plane of x and y). A box turned
+/// otherwise is left out, and [`FrameReader::warnings`] says so. Text columns are passed over, with a warning too.
 ///
 /// ```
 /// use fieldstone_io::{DumpReader, FrameReader};
@@ -218,8 +219,11 @@ impl DumpReader {
         }
         match cell.domain() {
             Ok(domain) => Ok(Some(domain)),
-            Err(BoxFault::Tilted { periodic }) => {
-                let mut warning = "the box is triclinic, which is not supported: read without a box".to_string();
+            Err(BoxFault::Turned { periodic }) => {
+                let mut warning =
+                    "the box's edges do not start along x and in the plane of x and y, as they do in restricted \
+                     triclinic boxes: read without a box"
+                        .to_string();
                 if periodic {
                     warning.push_str("; particles at a periodic boundary are not continued on the other side");
                 }
