@@ -144,6 +144,13 @@ pub struct ContactOptions {
     pub columns: Option<ContactColumns>,
 }
 
+impl ContactOptions {
+    /// Whether the contacts are columns of the particles, not frames of a file of their own.
+    pub(crate) fn in_particle_file(&self) -> bool {
+        self.preset == Some(ContactPreset::LammpsWall)
+    }
+}
+
 /// Opens a file of contacts, compressed or not, deciding on the format by its content and on the columns by the options.
 ///
 /// # Errors
