@@ -112,12 +112,17 @@ impl<'a> ContactAssembly<'a> {
     fn place(&self, row: &Row) -> Result<Placed, Refusal> {
         let positions = self.particles.positions();
         let nearest = |v: [f64; 3]| self.particles.domain().map_or(v, |domain| domain.minimum_image(v));
+        // A point half a box away, where a particle touches its own image, stays on the side that the source says.
+        let to_point = |point: [f64; 3], centre: [f64; 3]| {
+            let (stated, shortest) = (difference(point, centre), nearest(difference(point, centre)));
+            if length(stated) <= length(shortest) * (1.0 + 1e-9) { stated } else { shortest }
+        };
         let centre = positions[row.particle as usize];
         let partner = match row.partner {
             Partner::Particle(partner) => partner as usize,
             Partner::Wall(_) => {
                 let arm = match row.touch {
-                    Touch::Point(point) => nearest(difference(point, centre)),
+                    Touch::Point(point) => to_point(point, centre),
                     Touch::Vectors { arm, .. } => arm,
                     Touch::Spheres | Touch::Overlap(_) => {
                         let found = "a contact with a wall has no contact point".to_string();
@@ -131,7 +136,7 @@ impl<'a> ContactAssembly<'a> {
         let radii = self.particles.radii().ok().map(|radii| [radii[row.particle as usize], radii[partner]]);
         match row.touch {
             Touch::Point(point) => {
-                let arm = nearest(difference(point, centre));
+                let arm = to_point(point, centre);
                 // The image of the partner that lies beyond the contact point. In a box of a few diameters it need
                 // not be the one nearest to the particle.
                 let factor = radii.map_or(2.0, |[own, other]| 1.0 + other / own);

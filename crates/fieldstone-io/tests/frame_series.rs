@@ -160,7 +160,7 @@ fn frames_of_the_mercury_box_are_matched_by_time_from_any_start() {
         .map(|f| f.unwrap())
         .map(|f| (f.particles.time().unwrap(), f.contacts.unwrap().len()))
         .collect();
-    assert_eq!(counts, [(2.5, 1026), (10.0, 2290)]);
+    assert_eq!(counts, [(2.5, 983), (10.0, 2290)]);
     assert_eq!(background.warnings(), ["pairs are listed twice, once from either side: each is taken once"]);
 }
 

@@ -42,8 +42,8 @@ fn records(big: bool) -> Vec<u8> {
         }
         all.extend(bytes);
     };
-    let points: [(f64, f32, i16, u32, f32, [f32; 3], i8); 2] = [
-        (0.1, 2.5, -3, u32::MAX, 0.5, [1.0, 2.0, 3.0], -128),
+    let points = [
+        (0.1f64, 2.5f32, -3i16, u32::MAX, 0.5f32, [1.0f32, 2.0, 3.0], -128i8),
         (1e-300, -0.25, 32_767, 7, 0.25, [-1.0, -2.0, -3.0], 127),
     ];
     for (x, y, z, id, radius, v, level) in points {
@@ -156,7 +156,7 @@ fn damaged_bgeo_files_end_in_an_error() {
         let (_folder, path) = file("a.bgeo", &whole[..length]);
         assert!(read_bgeo(&path).is_err(), "cut after {length}");
     }
-    for (at, byte, expected) in [(8, 4, "version is 4"), (9, 0xff, "negative number"), (52, 9, "is of kind 9")] {
+    for (at, byte, expected) in [(8, 4, "version is 4"), (9, 0xff, "negative number"), (50, 9, "is of kind 9")] {
         let mut damaged = whole.clone();
         damaged[at] = byte;
         let (_folder, path) = file("a.bgeo", &damaged);
@@ -171,9 +171,9 @@ fn every_sph_frame_is_read_with_its_quantities() {
         ("cube_8_particles.vtk", 8, ""),
         ("dam_break_frame_23_24389_particles.bgeo", 24_389, ""),
         ("dam_break_frame_9_6859_particles.bgeo", 6_859, "density:1 velocity:3"),
-        ("double_dam_break_frame_26_4732_particles.vtk", 4_732, "?"),
+        ("double_dam_break_frame_26_4732_particles.vtk", 4_732, "velocity:3"),
         ("fluid_250_particles.vtu", 250, "velocity:3 pressure:1 density:1 index:1"),
-        ("free_particles_125_particles.vtk", 125, "?"),
+        ("free_particles_125_particles.vtk", 125, ""),
     ] {
         let Some(path) = extended(&format!("sph-frames/{name}")) else { return };
         let mut reader: Box<dyn FrameReader + Send> = open_particles(&path, &ParticleOptions::default()).unwrap();
