@@ -190,14 +190,20 @@ pub fn open_contacts(path: &Path, options: &ContactOptions) -> Result<Box<dyn Co
     if start.contains(&0) {
         return Err(unknown("the content is binary"));
     }
-    if MercuryContactReader::fits(&start) {
-        return Ok(Box::new(MercuryContactReader::open(path)?));
-    }
-    if let Some(preset) = options.preset {
+    let mercury = MercuryContactReader::fits(&start);
+    let expected = mercury.then_some(ContactPreset::Mercury);
+    if let Some(preset) = options.preset.filter(|&preset| Some(preset) != expected) {
         let name = ContactPreset::ALL.iter().find(|(_, p)| *p == preset).map_or("", |(name, _)| name);
         let found = format!("the file is not what the preset {name} is for");
         let remedy = "leave out the preset, or give the file that it is for";
         return Err(IoError::content(path, Position::File, found, remedy));
+    }
+    if mercury {
+        if options.columns.is_some() {
+            let found = "a MercuryDPM .fstat file has no names for its columns";
+            return Err(IoError::content(path, Position::File, found, "leave out the mapping: its order is known"));
+        }
+        return Ok(Box::new(MercuryContactReader::open(path)?));
     }
     Ok(Box::new(ContactTableReader::open(path, options)?))
 }

@@ -401,3 +401,105 @@ fn the_vtk_file_of_the_chute_has_radii_masses_and_types() {
     assert_eq!(particles.ids().unwrap().len(), 12_092);
     assert!(read_text(&path).contains("FIELD FieldData 7"));
 }
+
+#[test]
+fn a_preset_or_mapping_for_another_kind_of_file_is_refused() {
+    let particles = mercury_particles();
+    let error = read_content("a.fstat", &fstat(), &preset(ContactPreset::LiggghtsPair), &particles).unwrap_err();
+    assert!(error.to_string().contains("not what the preset liggghts-pair is for"), "{error}");
+    let columns = Some("id1=i,id2=j,force=fx/fy/fz".parse().unwrap());
+    let options = ContactOptions { preset: None, columns };
+    let error = read_content("a.fstat", &fstat(), &options, &particles).unwrap_err();
+    assert!(error.to_string().contains("no names for its columns"), "{error}");
+    assert!(read_content("a.fstat", &fstat(), &preset(ContactPreset::Mercury), &particles).is_ok());
+    let error = read_content("a.csv", "id1,id2,fx,fy,fz\n", &preset(ContactPreset::Mercury), &particles).unwrap_err();
+    assert!(error.to_string().contains("not what the preset mercury is for"), "{error}");
+}
+
+#[test]
+fn options_survive_a_configuration_file() {
+    let text = r#"{"preset":"liggghts-wall","columns":{"id1":"c_w[15]","force":["c_w[16]","c_w[17]","c_w[18]"]}}"#;
+    let options: ContactOptions = serde_json::from_str(text).unwrap();
+    assert_eq!(options.preset, Some("liggghts-wall".parse().unwrap()));
+    assert_eq!(options.columns, Some("id1=c_w[15],force=c_w[16..18]".parse().unwrap()));
+    assert_eq!(serde_json::from_str::<ContactOptions>(&serde_json::to_string(&options).unwrap()).unwrap(), options);
+    assert!(serde_json::from_str::<ContactOptions>(r#"{"presets":"mercury"}"#).is_err());
+}
+
+/// SplitMix64: the same damage in every run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % bound as u64) as usize
+    }
+}
+
+#[test]
+fn files_damaged_at_random_end_in_contacts_or_an_error() {
+    const PIECES: [&str; 12] =
+        ["\n", " ", "nan", "-", "1e999", "ITEM:", "# ", "4000000000000000000", ",", "9", "..", "\0"];
+    let (liggghts, lammps) = (particles("liggghts_part.dump"), particles("lammps_part.dump"));
+    let table = "id1,id2,fx,fy,fz,cx,cy,cz\n7,9,-3,1,0,0,0,0\n9,7,3,-1,0,0,0,0\n9,,0,0,2,0.95,0,-1\n".to_string();
+    let text = |name: &str| std::fs::read_to_string(fixture(name)).unwrap();
+    let cases = [
+        (text("liggghts_pair.dump"), preset(ContactPreset::LiggghtsPair), &liggghts),
+        (text("liggghts_wall.dump"), preset(ContactPreset::LiggghtsWall), &liggghts),
+        (text("lammps_pair.dump"), preset(ContactPreset::LammpsPair), &lammps),
+        (fstat(), ContactOptions::default(), &mercury_particles()),
+        (table, ContactOptions::default(), &three()),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged");
+    let mut random = Random(7);
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..600 {
+        let (content, options, particles) = &cases[round % cases.len()];
+        let mut damaged = content.clone();
+        for _ in 0..=random.below(3) {
+            let at = random.below(damaged.len());
+            let end = (at + random.below(6)).min(damaged.len());
+            damaged.replace_range(at..end, PIECES[random.below(PIECES.len())]);
+        }
+        std::fs::write(&path, &damaged).unwrap();
+        let result = open_contacts(&path, options).and_then(|mut reader| {
+            let first = reader.next_frame(particles)?;
+            while reader.skip_frame()? {}
+            Ok(first)
+        });
+        match result {
+            Ok(Some(contacts)) => {
+                read += 1;
+                assert!(contacts.iter().all(|c| (c.particle as usize) < particles.len()));
+            }
+            Ok(None) => {}
+            Err(error) => {
+                refused += 1;
+                assert!(error.to_string().contains("damaged"), "{error}");
+            }
+        }
+    }
+    println!("{read} read, {refused} refused");
+    assert!(read > 50 && refused > 200, "{read} {refused}");
+}
+
+#[test]
+fn restart_files_damaged_at_random_end_in_a_result_or_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged");
+    let mut random = Random(11);
+    for _ in 0..300 {
+        let mut damaged = RESTART.to_string();
+        let at = random.below(damaged.len());
+        let end = (at + random.below(20)).min(damaged.len());
+        damaged.replace_range(at..end, ["", "9", " ", "\n", "nan", "Particles 4000000000000000000\n"][random.below(6)]);
+        std::fs::write(&path, &damaged).unwrap();
+        if let Ok(restart) = read_restart(&path) {
+            assert!(restart.particles.len() <= 2);
+        }
+    }
+}
