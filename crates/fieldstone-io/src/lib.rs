@@ -1,7 +1,16 @@
 //! Readers and writers, one file per format.
 //!
-//! A format ends here: readers return [`fieldstone_particles::Particles`] or [`fieldstone_mesh::Mesh`], so that
-//! no other crate knows one file format from another.
+//! A format ends here: readers return [`fieldstone_particles::Particles`], [`fieldstone_particles::Contacts`] or
+//! [`fieldstone_mesh::Mesh`], so that no other crate knows one file format from another.
+//!
+//! | to read | use |
+//! |---|---|
+//! | one frame of particles, whatever the format | [`read_frame`] |
+//! | frames one by one | [`open_particles`], a [`FrameReader`] |
+//! | contacts of a frame | [`open_contacts`], a [`ContactReader`] |
+//! | many frames with their contacts, from many files, on a thread of their own | [`Series`] |
+//! | what MercuryDPM keeps apart: densities, walls, periodic boundaries | [`read_restart`] |
+//! | a mesh | [`read_mesh`] |
 
 mod assembly;
 mod atomic_file;
