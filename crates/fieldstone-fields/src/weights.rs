@@ -87,7 +87,7 @@ impl Weights {
         }
         if let Some(domain) = domain {
             let shortest =
-                (0..3).filter(|&k| domain.periodic()[k]).map(|k| domain.lengths()[k]).fold(f64::INFINITY, f64::min);
+                (0..3).filter(|&k| domain.periodic()[k]).map(|k| domain.heights()[k]).fold(f64::INFINITY, f64::min);
             if let Some(particle) = radii.iter().position(|&r| r > MOST_IMAGES * shortest) {
                 return Err(FieldsError::RadiusBox { particle, radius: radii[particle], length: shortest });
             }

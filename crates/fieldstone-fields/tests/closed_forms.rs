@@ -127,3 +127,21 @@ fn moving_everything_through_a_periodic_box_changes_nothing() {
         }
     }
 }
+
+#[test]
+fn a_box_sheared_by_whole_edges_gives_the_weights_of_the_upright_one() {
+    // The edges (1, 0, 0) and (1, 1, 0) span the same lattice as the axes do.
+    let particles = Particles::new(vec![[0.05, 0.5, 0.95], [0.4, 0.02, 0.5], [0.97, 0.99, 0.01]]).unwrap();
+    let particles = particles.with_radii(vec![0.2, 0.3, 0.1]).unwrap();
+    let upright = Domain::new([0.0; 3], [1.0; 3], [true; 3]).unwrap();
+    let sheared = Domain::triclinic([0.0; 3], [1.0; 3], [1.0, 0.0, 0.0], [true; 3]).unwrap();
+    // A grid in the part that both boxes share, where the images of both are complete.
+    let grid = Grid::new([0.5, 0.0, 0.0], [1.0, 0.5, 1.0], [3, 4, 5]).unwrap();
+    let sum = |domain| {
+        let options = SolidFractionOptions { domain: Some(domain), ..SolidFractionOptions::default() };
+        solid_fraction(&grid, &particles, &options).unwrap().solid_fraction
+    };
+    for (cell, (a, b)) in sum(upright).iter().zip(sum(sheared)).enumerate() {
+        assert!((a - b).abs() < 1e-13, "cell {cell}: {a} and {b}");
+    }
+}

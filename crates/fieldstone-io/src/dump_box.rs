@@ -10,9 +10,8 @@ use crate::lines::{LineReader, number, shown, words};
 pub(crate) struct DumpBox {
     origin: [f64; 3],
     edges: [[f64; 3]; 3],
-    /// Upper corner of an orthogonal box, as the file states it.
+    /// Upper corner without the tilt; as the file states it where there is none.
     high: [f64; 3],
-    orthogonal: bool,
     /// `None` in files older than the flags.
     periodic: Option<[bool; 3]>,
 }
@@ -64,7 +63,7 @@ impl DumpBox {
         for axis in 0..3 {
             edges[axis][axis] = high[axis] - low[axis];
         }
-        Self { origin: low, edges, high, orthogonal: true, periodic }
+        Self { origin: low, edges, high, periodic }
     }
 
     /// The file states the bounds of the axis-aligned box around the tilted one, so the tilt is taken off
@@ -78,24 +77,29 @@ impl DumpBox {
         let low = [rows[0][0] - x.into_iter().fold(0.0, f64::min), rows[1][0] - yz.min(0.0), rows[2][0]];
         let high = [rows[0][1] - x.into_iter().fold(0.0, f64::max), rows[1][1] - yz.max(0.0), rows[2][1]];
         let edges = [[high[0] - low[0], 0.0, 0.0], [xy, high[1] - low[1], 0.0], [xz, yz, high[2] - low[2]]];
-        Self { origin: low, edges, high, orthogonal: false, periodic }
+        Self { origin: low, edges, high, periodic }
     }
 
     fn general(rows: [[f64; 4]; 3], periodic: Option<[bool; 3]>) -> Self {
         let edges = rows.map(|r| [r[0], r[1], r[2]]);
         let origin = rows.map(|r| r[3]);
         let high = std::array::from_fn(|k| origin[k] + edges[k][k]);
-        let orthogonal = (0..3).all(|i| (0..3).all(|k| i == k || edges[i][k] == 0.0));
-        Self { origin, edges, high, orthogonal, periodic }
+        Self { origin, edges, high, periodic }
     }
 
-    /// The box where it is orthogonal, and the reason where it is not kept.
+    /// The box, and the reason where it cannot be kept.
     pub(crate) fn domain(&self) -> Result<Domain, BoxFault> {
-        if !self.orthogonal {
-            return Err(BoxFault::Tilted { periodic: self.periodic != Some([false; 3]) });
+        let periodic = self.periodic.unwrap_or_default();
+        let [[lx, ay, az], [xy, ly, bz], [xz, yz, lz]] = self.edges;
+        if [ay, az, bz] != [0.0; 3] {
+            return Err(BoxFault::Turned { periodic: self.periodic != Some([false; 3]) });
         }
-        Domain::new(self.origin, self.high, self.periodic.unwrap_or_default())
-            .map_err(|e| BoxFault::Empty(e.to_string()))
+        let domain = if [xy, xz, yz] == [0.0; 3] {
+            Domain::new(self.origin, self.high, periodic)
+        } else {
+            Domain::triclinic(self.origin, [lx, ly, lz], [xy, xz, yz], periodic)
+        };
+        domain.map_err(|e| BoxFault::Empty(e.to_string()))
     }
 
     /// Whether the file says which directions are periodic.
@@ -115,6 +119,9 @@ impl DumpBox {
 /// Why a box is no [`Domain`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum BoxFault {
-    Tilted { periodic: bool },
+    /// Its first edge is not along x, or its second not in the plane of x and y.
+    Turned {
+        periodic: bool,
+    },
     Empty(String),
 }

@@ -6,6 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 
 use crate::assembly::{Assembly, Row};
 use crate::columns::{Columns, Dialect};
+use crate::frames::unless_failed;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, text, words};
 use crate::{FrameReader, IoError};
 
@@ -13,8 +14,8 @@ use crate::{FrameReader, IoError};
 ///
 /// A frame is a line with the number of particles, a line of comment, and rows `name x y z`, or `name x y z
 /// radius`. Names that are integers are types. Where the comment says `Properties=species:S:1:pos:R:3:…`, it
-/// decides on the columns; `Lattice="…"`, `Origin="…"` and `pbc="…"` then give the box where it is orthogonal,
-/// `Time=` the time.
+/// decides on the columns; `Lattice="…"`, `Origin="…"` and `pbc="…"` then give the box, orthogonal or
+/// triclinic with its first vector along x and its second in the plane of x and y, `Time=` the time.
 ///
 /// ```
 /// use fieldstone_io::{FrameReader, XyzReader};
@@ -76,7 +77,7 @@ impl XyzReader {
         self.lines.error(found, "the file is cut, or still being written; earlier frames can be read")
     }
 
-    /// The box of an extended header, where it is orthogonal.
+    /// The box of an extended header, where its vectors are a lower triangle.
     fn domain(&mut self, comment: &str) -> Option<Domain> {
         let numbers = |key| -> Option<Vec<f64>> {
             value(comment, key)?.split_ascii_whitespace().map(|word| number(word.as_bytes())).collect()
@@ -91,13 +92,15 @@ impl XyzReader {
             Some(&[x, y, z]) => [x, y, z].map(|flag| flag.starts_with(['T', 't', '1'])),
             _ => [true; 3],
         };
-        if [ay, az, bx, bz, cx, cy] == [0.0; 6] {
-            let high = [origin[0] + ax, origin[1] + by, origin[2] + cz];
-            if let Ok(domain) = Domain::new(origin, high, periodic) {
-                return Some(domain);
-            }
+        if [ay, az, bz] == [0.0; 3]
+            && let Ok(domain) = Domain::triclinic(origin, [ax, by, cz], [bx, cx, cy], periodic)
+        {
+            return Some(domain);
         }
-        self.warn("the lattice is no orthogonal box: read without a box".into());
+        self.warn(
+            "the lattice's first vector is not along x or its second not in the plane of x and y: read without a box"
+                .into(),
+        );
         None
     }
 
@@ -230,21 +233,11 @@ fn property_names(list: &str) -> Option<Vec<String>> {
 
 impl FrameReader for XyzReader {
     fn next_frame(&mut self) -> Result<Option<Particles>, IoError> {
-        if self.failed {
-            return Ok(None);
-        }
-        let result = self.read_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::read_frame)
     }
 
     fn skip_frame(&mut self) -> Result<bool, IoError> {
-        if self.failed {
-            return Ok(false);
-        }
-        let result = self.pass_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::pass_frame)
     }
 
     fn warnings(&self) -> &[String] {

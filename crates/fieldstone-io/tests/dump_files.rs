@@ -132,21 +132,25 @@ fn sizes_are_taken_from_radius_before_diameter_before_d() {
 }
 
 #[test]
-fn a_tilted_box_gives_positions_without_a_domain_and_says_so() {
+fn a_tilted_box_is_freed_from_the_bounds_around_it() {
     // Edges (4, 0, 0), (1, 5, 0), (-2, 0.5, 6) from (0, 0, 0): bounds are those of the parallelepiped.
-    let (p, warnings) = read(frame("xy xz yz pp pp pp\n-2 5 1\n0 5.5 -2\n0 6 0.5", "xs ys zs", &["0.5 0.5 0.5"]));
+    let (p, warnings) = read(frame("xy xz yz pp pp ff\n-2 5 1\n0 5.5 -2\n0 6 0.5", "xs ys zs", &["0.5 0.5 0.5"]));
     assert_eq!(p.positions(), [[1.5, 2.75, 3.0]]);
-    assert!(p.domain().is_none());
-    assert!(warnings[0].contains("triclinic") && warnings[0].contains("periodic"), "{warnings:?}");
-    let (_, warnings) = read(frame("xy xz yz ff ff ff\n0 5 1\n0 5 0\n0 6 0", "x y z", &["0 0 0"]));
-    assert!(warnings[0].contains("triclinic") && !warnings[0].contains("periodic"), "{warnings:?}");
+    let domain = p.domain().unwrap();
+    assert_eq!(domain.cell_vectors(), [[4.0, 0.0, 0.0], [1.0, 5.0, 0.0], [-2.0, 0.5, 6.0]]);
+    assert_eq!((domain.low(), domain.periodic()), ([0.0; 3], [true, true, false]));
+    assert_eq!(domain.bounds(), ([-2.0, 0.0, 0.0], [5.0, 5.5, 6.0]));
+    assert!(warnings.is_empty(), "{warnings:?}");
 }
 
 #[test]
-fn a_box_of_three_edge_vectors_places_scaled_coordinates() {
+fn a_box_of_three_edge_vectors_is_kept_where_they_form_a_lower_triangle() {
     let (p, warnings) = read(frame("abc origin pp ff pp\n4 0 0 -2\n1 5 0 -3\n0.5 0.25 6 -4", "xs ys zs", &["1 1 1"]));
     assert_eq!(p.positions(), [[3.5, 2.25, 2.0]]);
-    assert!(p.domain().is_none() && warnings.len() == 1);
+    assert_eq!((p.domain().unwrap().tilt(), warnings.len()), ([1.0, 0.5, 0.25], 0));
+    let (p, warnings) = read(frame("abc origin pp ff pp\n0 4 0 -2\n-5 1 0 -3\n0 0 6 -4", "xs ys zs", &["1 1 1"]));
+    assert_eq!(p.positions(), [[-7.0, 2.0, 2.0]]);
+    assert!(p.domain().is_none() && warnings[0].contains("read without a box"), "{warnings:?}");
 }
 
 #[test]

@@ -309,8 +309,10 @@ fn extended_xyz_names_its_columns_box_and_time() {
     assert_eq!(column(&p, "stress").0, 6);
     let domain = Domain::new([-1.0, 0.0, 1.0], [1.0, 3.0, 5.0], [true, false, true]).unwrap();
     assert_eq!(p.domain(), Some(&domain));
-    let (p, warnings) = read("1\nLattice=\"2 0 0 1 3 0 0 0 4\"\nA 0 0 0\n");
-    assert!(p.domain().is_none() && warnings[0].contains("no orthogonal box"), "{warnings:?}");
+    let (p, warnings) = read("1\nLattice=\"0 2 0 3 0 0 0 0 4\"\nA 0 0 0\n");
+    assert!(p.domain().is_none() && warnings[0].contains("read without a box"), "{warnings:?}");
+    let (p, _) = read("1\nLattice=\"2 0 0 1 3 0 0 0 4\"\nA 0 0 0\n");
+    assert_eq!(p.domain().unwrap().tilt(), [1.0, 0.0, 0.0]);
 }
 
 #[test]

@@ -118,6 +118,27 @@ impl Contacts {
         Ok(())
     }
 
+    /// Adds all of `others`, which belong to the same particles: walls to pairs, say.
+    ///
+    /// ```
+    /// use fieldstone_particles::{Contact, Contacts, Partner};
+    /// let arm = [0.0, 0.0, -0.5];
+    /// let mut walls = Contacts::new();
+    /// walls.push(1, Contact { particle: 0, partner: Partner::Wall(0), force: [0.0, 0.0, 1.0], arm, branch: arm })?;
+    /// let mut all = Contacts::new();
+    /// all.extend(&walls);
+    /// assert_eq!(all, walls);
+    /// # Ok::<(), fieldstone_particles::ParticlesError>(())
+    /// ```
+    pub fn extend(&mut self, others: &Self) {
+        self.particles.extend_from_slice(&others.particles);
+        self.partners.extend_from_slice(&others.partners);
+        self.walls.extend_from_slice(&others.walls);
+        self.forces.extend_from_slice(&others.forces);
+        self.arms.extend_from_slice(&others.arms);
+        self.branches.extend_from_slice(&others.branches);
+    }
+
     /// Number of contacts.
     pub fn len(&self) -> usize {
         self.particles.len()
@@ -163,10 +184,10 @@ impl Contacts {
     pub fn force_sums(&self, particle_count: usize) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; particle_count];
         for contact in self.iter() {
-            for k in 0..3 {
-                sums[contact.particle as usize][k] += contact.force[k];
+            for (k, force) in contact.force.into_iter().enumerate() {
+                sums[contact.particle as usize][k] += force;
                 if let Partner::Particle(other) = contact.partner {
-                    sums[other as usize][k] -= contact.force[k];
+                    sums[other as usize][k] -= force;
                 }
             }
         }

@@ -58,6 +58,14 @@ pub enum ParticlesError {
         /// Upper bound.
         high: f64,
     },
+    /// A tilt factor of a box is NaN or infinite.
+    #[error("the box has tilt {name} = {value}; only finite numbers are accepted")]
+    Tilt {
+        /// Which factor: `xy`, `xz` or `yz`.
+        name: &'static str,
+        /// The number found.
+        value: f64,
+    },
     /// A contact names a particle that the set does not have.
     #[error(
         "contact {index} names particle {particle}, but there are {particle_count}; give the contacts of the same frame"

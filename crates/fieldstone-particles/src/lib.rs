@@ -1,8 +1,9 @@
 //! Particle sets and the boxes that they live in.
 //!
 //! [`Particles`] is a structure of arrays: positions, radii where the source has them, and any number of
-//! named [`Quantity`] columns. A [`Domain`] is the simulation box with its periodic directions; it wraps
-//! positions and lists the periodic images of a ball that reach back into the box.
+//! named [`Quantity`] columns. A [`Domain`] is the simulation box, orthogonal or
+//! triclinic, with its periodic directions; it wraps positions and lists the periodic images of a ball that reach
+//! back into the box. [`Contacts`] hold forces between particles and with walls.
 //!
 //! Units are the user's: nothing in this crate assumes SI, and nothing mixes two lengths of different units.
 

@@ -210,11 +210,11 @@ impl Periodic {
             let Self::Given(axes) = self else { return Ok((None, None)) };
             return Ok((axes.contains(&true).then(|| domain.with_periodic(axes)), None));
         };
-        let lengths = domain.lengths();
-        let inside = |k: usize| {
-            let slack = 1e-9 * lengths[k];
-            low[k] >= domain.low()[k] - slack && high[k] <= domain.high()[k] + slack
-        };
+        // In fractions of the edges, since a tilted box is reached beyond by some corner of the mesh's bounds.
+        let corners =
+            (0..8).map(|corner: usize| [0, 1, 2].map(|k| if corner >> k & 1 == 0 { low[k] } else { high[k] }));
+        let fractions: Vec<[f64; 3]> = corners.map(|corner| domain.fractions(corner)).collect();
+        let inside = |k: usize| fractions.iter().all(|f| f[k] >= -1e-9 && f[k] <= 1.0 + 1e-9);
         let axes: [bool; 3] = std::array::from_fn(|k| domain.periodic()[k] && inside(k));
         let refused: String =
             (0..3).filter(|&k| domain.periodic()[k] && !axes[k]).map(|k| ['x', 'y', 'z'][k]).collect();
