@@ -129,8 +129,7 @@ mod tests {
                 if depth.abs() < 1e-12 {
                     continue;
                 }
-                let from_middle = (alpha - middle + 9.0 * std::f64::consts::PI)
-                    .rem_euclid(std::f64::consts::TAU)
+                let from_middle = (alpha - middle + 9.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
                     - std::f64::consts::PI;
                 let inside = match cover {
                     Cover::Nothing => false,

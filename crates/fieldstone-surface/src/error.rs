@@ -36,7 +36,9 @@ pub enum SurfaceError {
         value: f64,
     },
     /// The method exists in the other number of dimensions only.
-    #[error("the {method} method exists in {supported} dimensions only, not in {dimension}; choose another method or dimension")]
+    #[error(
+        "the {method} method exists in {supported} dimensions only, not in {dimension}; choose another method or dimension"
+    )]
     Dimension {
         /// Name of the method.
         method: &'static str,
@@ -46,7 +48,9 @@ pub enum SurfaceError {
         supported: usize,
     },
     /// The neighbour search was built for a smaller radius than the method looks at.
-    #[error("the {method} method looks at neighbours within {needed}, but the neighbour search reaches {reach}; build it for that")]
+    #[error(
+        "the {method} method looks at neighbours within {needed}, but the neighbour search reaches {reach}; build it for that"
+    )]
     Reach {
         /// Name of the method.
         method: &'static str,

@@ -70,7 +70,7 @@ impl Neighbourhood {
 
 /// The points around one cell, copied together once for all particles of the cell.
 #[derive(Debug, Default)]
-pub(crate) struct Surroundings {
+pub(crate) struct CellSurroundings {
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
@@ -79,7 +79,7 @@ pub(crate) struct Surroundings {
     hits: Vec<u32>,
 }
 
-impl Surroundings {
+impl CellSurroundings {
     #[inline(always)]
     pub(crate) fn collect(&mut self, grid: &NeighbourGrid, cell: usize) {
         let [x, y, z] = grid.sorted_positions();

@@ -6,7 +6,7 @@ use fieldstone_particles::NeighbourGrid;
 use rayon::prelude::*;
 
 use crate::Scene;
-use crate::neighbourhood::{Neighbourhood, Surroundings};
+use crate::neighbourhood::{CellSurroundings, Neighbourhood};
 
 /// Points per task: enough to amortise the scratch, few enough for any number of threads.
 const POINTS_PER_TASK: usize = 2048;
@@ -46,14 +46,18 @@ pub(crate) fn scan<V: Visitor>(scene: &Scene<'_>, radius: f64, visitor: &V, sort
 }
 
 struct Local<V: Visitor> {
-    surroundings: Surroundings,
+    surroundings: CellSurroundings,
     hood: Neighbourhood,
     scratch: V::Scratch,
 }
 
 impl<V: Visitor> Default for Local<V> {
     fn default() -> Self {
-        Self { surroundings: Surroundings::default(), hood: Neighbourhood::default(), scratch: V::Scratch::default() }
+        Self {
+            surroundings: CellSurroundings::default(),
+            hood: Neighbourhood::default(),
+            scratch: V::Scratch::default(),
+        }
     }
 }
 

@@ -37,7 +37,8 @@ impl<'a> Scene<'a> {
             return Err(SurfaceError::Reach { method, needed, reach });
         }
         let expected = self.grid.len();
-        let lengths = [("the volume", self.volumes.map(<[f64]>::len)), ("candidates", self.candidates.map(<[bool]>::len))];
+        let lengths =
+            [("the volume", self.volumes.map(<[f64]>::len)), ("candidates", self.candidates.map(<[bool]>::len))];
         for (name, length) in lengths {
             if let Some(found) = length
                 && found != expected

@@ -109,8 +109,7 @@ impl CoverTable {
             for (q, square) in squares.iter().enumerate() {
                 let apart = centre.dot(bounds[q].0).clamp(-1.0, 1.0).acos();
                 let covered = apart + radius + bounds[q].1 < angle
-                    || apart < angle
-                        && corners.iter().all(|c| square.corners.iter().all(|s| c.dot(*s) >= cos));
+                    || apart < angle && corners.iter().all(|c| square.corners.iter().all(|s| c.dot(*s) >= cos));
                 if covered {
                     cell[q / 64] |= 1 << (q % 64);
                 }
@@ -228,7 +227,10 @@ mod tests {
                 }
             }
             // A set that is always empty would be right but useless.
-            assert!(covered as f64 > 400.0 * 384.0 * 0.6 * (0.5 - 0.5 * (degrees - 14.0).to_radians().cos()), "{covered}");
+            assert!(
+                covered as f64 > 400.0 * 384.0 * 0.6 * (0.5 - 0.5 * (degrees - 14.0).to_radians().cos()),
+                "{covered}"
+            );
         }
     }
 

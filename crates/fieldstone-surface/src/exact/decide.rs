@@ -85,7 +85,7 @@ impl UnitDirections {
     }
 
     #[inline(always)]
-    fn sum(&self) -> DVec3 {
+    pub(crate) fn sum(&self) -> DVec3 {
         let mut total = [[0.0f64; LANES]; 3];
         let lanes = self.x.chunks_exact(LANES).zip(self.y.chunks_exact(LANES)).zip(self.z.chunks_exact(LANES));
         for ((x, y), z) in lanes {

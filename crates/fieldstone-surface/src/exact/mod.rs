@@ -11,8 +11,8 @@ use crate::scan::{Visitor, scan};
 use crate::sun::SectorJudge;
 use crate::{Detection, ScanningCone, Scene, SurfaceDetection, SurfaceError};
 
-
-use cover_table::CoverTable;
+pub(crate) use cover_table::{CoverTable, Square, root_squares};
+pub(crate) use decide::UnitDirections;
 use decide::{DecideScratch, Decision};
 
 /// The fast exact method: the labels of [`Geometrical`](crate::Geometrical), decided by masks and branch and bound.
@@ -124,6 +124,11 @@ impl Exact {
         }
         detection.fill_from(scene, |sorted| cache.sorted[sorted].0);
         Ok(())
+    }
+
+    /// The same method with another radius of the sphere over the spacing; shares the table.
+    pub(crate) fn with_radius(&self, radius: f64) -> Self {
+        Self { cone: ScanningCone { radius, ..self.cone }, table: Arc::clone(&self.table) }
     }
 
     fn judge(&self) -> ConeJudge<'_> {
