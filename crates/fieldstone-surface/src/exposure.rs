@@ -127,6 +127,7 @@ impl ExposureVisitor {
     fn largest_cone(&self, hood: &Neighbourhood, scratch: &mut ExposureScratch) -> Exposure {
         let ExposureScratch { directions, level, next, near, .. } = scratch;
         directions.fill(hood);
+        directions.repeat_first(hood.len);
         let empty = |m: DVec3, directions: &UnitDirections| directions.nearest(m).clamp(-1.0, 1.0).acos();
         let mut best = (0.0, DVec3::ZERO);
         let mut keep = |angle: f64, m: DVec3| {
@@ -190,15 +191,16 @@ fn polish(start: DVec3, directions: &UnitDirections, near: &mut Vec<(f64, DVec3)
         near.clear();
         for ((&x, &y), &z) in directions.x.iter().zip(&directions.y).zip(&directions.z) {
             let axis = DVec3::new(x, y, z);
-            if axis != DVec3::ZERO {
-                near.push((axis.dot(best.1), axis));
-            }
+            near.push((axis.dot(best.1), axis));
         }
         near.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         near.dedup_by(|a, b| (a.1 - b.1).length_squared() < 1e-20);
         near.truncate(TOUCHING);
         let mut improved = best;
         let mut offer = |m: DVec3| {
+            if m == DVec3::ZERO {
+                return;
+            }
             for m in [m, -m] {
                 let found = angle(m);
                 if found > improved.0 {
@@ -208,6 +210,8 @@ fn polish(start: DVec3, directions: &UnitDirections, near: &mut Vec<(f64, DVec3)
         };
         for (i, (_, a)) in near.iter().enumerate() {
             offer(*a);
+            // Two opposite neighbours alone leave a ring of equal cones.
+            offer(a.any_orthonormal_vector());
             for (j, (_, b)) in near.iter().enumerate().skip(i + 1) {
                 offer((*a + *b).normalize_or_zero());
                 for (_, c) in &near[j + 1..] {

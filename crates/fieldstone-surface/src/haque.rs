@@ -15,8 +15,8 @@ use crate::{Detection, Scene, SurfaceDetection, SurfaceError};
 /// | R_s | radius of all balls, 1.25 Δx by default | length |
 /// | ψ_j | half-angle of the cap of sphere i inside ball j | rad |
 ///
-/// Misses concave surfaces below about 133°, and takes inner particles for free ones where they are more than about
-/// 1.77 Δx apart. Cost: all arcs of all circles, N² per particle.
+/// Misses concave surfaces below about 133°, and takes inner particles for free ones where holes between particles are
+/// wider than the balls: beyond 1.44 Δx in a cubic lattice, 1.77 Δx in the densest packing. Cost: all arcs of all circles, N² per particle.
 ///
 /// Source: `haque2007`; `liu2024`, Sec. 4, for R_s.
 #[derive(Debug, Clone, Copy, PartialEq)]

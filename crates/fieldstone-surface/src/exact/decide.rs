@@ -50,6 +50,13 @@ impl UnitDirections {
         }
     }
 
+    /// Fills the padding with the first direction, for angles beyond 90°, where zero vectors would count.
+    pub(crate) fn repeat_first(&mut self, len: usize) {
+        for k in len..self.x.len() {
+            (self.x[k], self.y[k], self.z[k]) = (self.x[0], self.y[0], self.z[0]);
+        }
+    }
+
     /// Largest z_j · m.
     #[inline(always)]
     pub(crate) fn nearest(&self, m: DVec3) -> f64 {
