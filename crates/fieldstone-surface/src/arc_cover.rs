@@ -58,7 +58,7 @@ pub(crate) fn cover_of_circle(j: &Cap, k: &Cap) -> Cover {
 /// The circle test is complete for one cap or more: an uncovered set is open, and its boundary lies on circles. Without
 /// caps the answer is an arbitrary direction. Cost: N² arcs and N sorts.
 ///
-/// Source: `liu2024`, Sec. 3.1, with the closed form instead of Eq. 18–25; `haque2007` for unequal caps.
+/// Source: `liu2022`, Sec. 3.1, with the closed form instead of Eq. 18–25; `haque2007` for unequal caps.
 pub(crate) fn uncovered_direction(caps: &[Cap], arcs: &mut Vec<(f64, f64)>) -> Option<DVec3> {
     if caps.is_empty() {
         return Some(DVec3::X);

@@ -9,7 +9,7 @@ use crate::SurfaceError;
 /// | TP | free-surface particles of the reference |
 /// | EP | misidentified particles: misses and false positives |
 ///
-/// Source: `liu2024`, Eq. 32.
+/// Source: `liu2022`, Eq. 32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Comparison {
     /// Free-surface particles of the reference.

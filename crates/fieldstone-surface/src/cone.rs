@@ -5,7 +5,7 @@ use crate::{SurfaceError, TIE};
 /// A particle is on the free surface if and only if some direction has no neighbour within the angle θ of it, among
 /// the neighbours within R. The default is the paper's: R = 2.5 Δx and θ = 45°.
 ///
-/// Source: `liu2024`, Sec. 3.1 and 3.1.4.
+/// Source: `liu2022`, Sec. 3.1 and 3.1.4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanningCone {
     /// Radius R of the sphere over the spacing Δx.

@@ -16,7 +16,7 @@ use crate::{Detection, Scene, SurfaceDetection, SurfaceError};
 /// In a uniform distribution a concave surface is seen down to the angle θ_min = 2 arccos(Δx / 2R_s), 133° by default
 /// ([`smallest_visible_angle`](Self::smallest_visible_angle)).
 ///
-/// Source: `dilts2000`; `liu2024`, Sec. 4.1 and Eq. 31.
+/// Source: `dilts2000`; `liu2022`, Sec. 4.1 and Eq. 31.
 ///
 /// ```
 /// let degrees = fieldstone_surface::Dilts::default().smallest_visible_angle().to_degrees();

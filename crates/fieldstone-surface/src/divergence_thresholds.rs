@@ -24,7 +24,7 @@ impl DivergenceThresholds {
     ///
     /// λ_inner is lowered to the middle between second and third layer where it would exceed the third.
     ///
-    /// Source: `liu2024`, Sec. 3.2 ("the thresholds vary with respect to the ratio h/Δx and kernel function").
+    /// Source: `liu2022`, Sec. 3.2 ("the thresholds vary with respect to the ratio h/Δx and kernel function").
     pub fn from_lattice(smoothing: &Smoothing, dimension: usize) -> Self {
         let layer = |n| lattice_divergence(smoothing, &Depth::plane(n), dimension);
         let inner = 2.8 / 2.571 * layer(2);

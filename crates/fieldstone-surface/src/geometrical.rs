@@ -26,7 +26,7 @@ const COINCIDENT: f64 = 1e-7;
 /// Kept as the reference; [`Exact`](crate::Exact) gives the same labels up to a hundred times faster. In two
 /// dimensions this is the method of [`Sun`](crate::Sun). Cost: about N²/2 arcs of an inverse 3×3 matrix each.
 ///
-/// Source: `liu2024`, Sec. 3.1, Algorithm 1, Eq. 12–28.
+/// Source: `liu2022`, Sec. 3.1, Algorithm 1, Eq. 12–28.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Geometrical {
     /// The scanning cone.

@@ -18,7 +18,7 @@ use crate::{Detection, Scene, SurfaceDetection, SurfaceError};
 /// Misses concave surfaces below about 133°, and takes inner particles for free ones where holes between particles are
 /// wider than the balls: beyond 1.44 Δx in a cubic lattice, 1.77 Δx in the densest packing. Cost: all arcs of all circles, N² per particle.
 ///
-/// Source: `haque2007`; `liu2024`, Sec. 4, for R_s.
+/// Source: `haque2007`; `liu2022`, Sec. 4, for R_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Haque {
     /// Radius of the balls over the spacing Δx.

@@ -7,7 +7,7 @@ pub enum Kernel {
     ///
     /// $$ W = \alpha_d\,(1 + 2q)\,(1 - q/2)^4, \qquad \alpha_2 = \frac{7}{4\pi h^2},\ \alpha_3 = \frac{21}{16\pi h^3} $$
     ///
-    /// Source: `liu2024`, Eq. 8, 9.
+    /// Source: `liu2022`, Eq. 8, 9.
     WendlandC2,
     /// Renormalised ("improved") Gaussian, zero from 3h on.
     ///

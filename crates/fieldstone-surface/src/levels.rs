@@ -13,7 +13,7 @@ use crate::{Detection, Scene, SurfaceError};
 /// Particles that are no candidates are 2: they are no fluid. Distances are through periodic boundaries, too, but not
 /// through walls.
 ///
-/// Source: `liu2024`, the regions F, V and I of Eq. 11.
+/// Source: `liu2022`, the regions F, V and I of Eq. 11.
 ///
 /// # Errors
 /// `vicinity` is not above 0 or `positions` are not those of the scene.

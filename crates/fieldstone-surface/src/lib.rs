@@ -7,10 +7,10 @@
 //!
 //! | method | dimensions | criterion | source |
 //! |---|---|---|---|
-//! | [`Exact`] | 2, 3 | an empty cone | `liu2024` |
-//! | [`Geometrical`] | 2, 3 | the same, as printed | `liu2024`, Algorithm 1 |
-//! | [`SemiGeometrical`] | 2, 3 | position divergence, then an empty cone | `liu2024`, Eq. 29, 30 |
-//! | [`Sun`] | 2 | an empty sector | `sun2017` |
+//! | [`Exact`] | 2, 3 | an empty cone | `liu2022` |
+//! | [`Geometrical`] | 2, 3 | the same, as printed | `liu2022`, Algorithm 1 |
+//! | [`SemiGeometrical`] | 2, 3 | position divergence, then an empty cone | `liu2022`, Eq. 29, 30 |
+//! | [`Sun`] | 2 | an empty sector | Sun et al., in `liu2022` |
 //! | [`Dilts`] | 2 | the particle's circle is exposed | `dilts2000` |
 //! | [`Haque`] | 3 | the particle's sphere is exposed | `haque2007` |
 //! | [`Marrone`] | 2, 3 | eigenvalue, then an umbrella along the normal | `marrone2010` |

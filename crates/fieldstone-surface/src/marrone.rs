@@ -17,7 +17,7 @@ use crate::{Detection, Scene, SurfaceDetection, SurfaceError, umbrella};
 /// In between, the particle is free if no neighbour is in the umbrella along n. Depends on the normal, so particles in
 /// concave or disordered places are missed.
 ///
-/// Source: `marrone2010`; `liu2024`, Sec. 4.
+/// Source: `marrone2010`; `liu2022`, Sec. 4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marrone {
     /// Kernel and smoothing length.

@@ -127,11 +127,13 @@ pub(crate) fn smallest_eigenvalue(m: &DMat3, dimension: usize) -> f64 {
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            for k in 0..3 {
-                (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
+            let turn = |(x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
+            for row in &mut a {
+                (row[p], row[q]) = turn((row[p], row[q]));
             }
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+            let (first, second) = (a[p], a[q]);
+            for (k, pair) in first.into_iter().zip(second).enumerate() {
+                (a[p][k], a[q][k]) = turn(pair);
             }
         }
     }

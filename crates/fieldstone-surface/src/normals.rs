@@ -22,7 +22,7 @@ const ILL_CONDITIONED: f64 = 0.1;
 /// Where M is nearly singular (spray, sheets) the plain gradient is used. Zero where it vanishes (no neighbours,
 /// symmetric ones) and for particles that are no candidates. Inside the fluid a normal has no meaning.
 ///
-/// Source: `marrone2010`; kernel `liu2024`, Eq. 8.
+/// Source: `marrone2010`; kernel `liu2022`, Eq. 8.
 ///
 /// # Errors
 /// As [`SurfaceDetection::label`](crate::SurfaceDetection::label).

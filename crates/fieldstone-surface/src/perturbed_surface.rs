@@ -21,7 +21,7 @@ pub enum InnerParticles {
 /// Surface particles are one spacing apart along the zigzag, whatever the angle. The central trough is at the origin,
 /// and everything is symmetric to it but for lost and aggregated particles.
 ///
-/// Source: `liu2024`, Sec. 4.1, Fig. 7 (175°, 130°, 85°) and Fig. 8 (100°).
+/// Source: `liu2022`, Sec. 4.1, Fig. 7 (175°, 130°, 85°) and Fig. 8 (100°).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerturbedSurface {
     /// All particles, those of the surface first.

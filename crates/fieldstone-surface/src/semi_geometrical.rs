@@ -23,7 +23,7 @@ use crate::{Detection, DivergenceThresholds, ScanningCone, Scene, SurfaceDetecti
 /// For fidelity to the paper. The labels differ from those of [`Exact`](crate::Exact) where λ decides alone, and the
 /// position divergence by itself costs more than the exact answer.
 ///
-/// Source: `liu2024`, Sec. 3.2, Eq. 29, 30.
+/// Source: `liu2022`, Sec. 3.2, Eq. 29, 30.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SemiGeometrical {
     /// The scanning cone of the second step.

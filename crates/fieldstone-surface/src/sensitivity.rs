@@ -18,7 +18,7 @@ pub struct Sensitivity {
 /// | | larger | concave surfaces are missed |
 /// | | smaller | inner particles are taken for free ones |
 ///
-/// Source: `liu2024`, Sec. 3.1.4 and Fig. 12.
+/// Source: `liu2022`, Sec. 3.1.4 and Fig. 12.
 ///
 /// # Errors
 /// A radius or angle outside its range; as [`Surroundings::grid`].

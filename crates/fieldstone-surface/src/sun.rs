@@ -17,7 +17,7 @@ use crate::{Detection, ScanningCone, Scene, SurfaceDetection, SurfaceError};
 /// Exact: the directions are sorted and a gap wider than 2θ is looked for. A concave wedge of just 2θ is a tie and
 /// counts as covered ([`TIE`](crate::TIE)).
 ///
-/// Source: `sun2017`; `liu2024`, Sec. 4.1.
+/// Source: the method of Sun et al., as `liu2022` describes it in Sec. 1 and 4.1.
 ///
 /// ```
 /// use fieldstone_particles::{NeighbourGrid, NeighbourOptions};

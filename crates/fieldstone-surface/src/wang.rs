@@ -18,7 +18,7 @@ use crate::{Detection, DivergenceThresholds, Scene, SurfaceDetection, SurfaceErr
 /// In between, the particle is free if no neighbour is in the umbrella along n, as in [`Marrone`](crate::Marrone). The
 /// method saves the matrix, so the normal is the plain gradient's.
 ///
-/// Source: `wang2019`; `liu2024`, Sec. 4 and Eq. 29. The thresholds are those of the semi-geometrical method: on the
+/// Source: `wang2019`; `liu2022`, Sec. 4 and Eq. 29. The thresholds are those of the semi-geometrical method: on the
 /// lattice this kernel gives the values that they were derived from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wang {

@@ -182,8 +182,10 @@ impl NeighbourGrid {
         let at = if self.options.dimension == 2 { [at[0], at[1], 0.0] } else { at };
         let limit = radius * radius;
         self.table.runs_around(at, radius, |from, to| {
-            for sorted in self.starts[from] as usize..self.starts[to] as usize {
-                let displacement = [self.x[sorted] - at[0], self.y[sorted] - at[1], self.z[sorted] - at[2]];
+            let run = self.starts[from] as usize..self.starts[to] as usize;
+            let points = self.x[run.clone()].iter().zip(&self.y[run.clone()]).zip(&self.z[run.clone()]);
+            for (sorted, ((x, y), z)) in run.zip(points) {
+                let displacement = [x - at[0], y - at[1], z - at[2]];
                 let [dx, dy, dz] = displacement;
                 let squared = dx * dx + dy * dy + dz * dz;
                 if squared <= limit {

@@ -159,8 +159,8 @@ fn search(
 ) -> Decision {
     stack.clear();
     let mut undecided = false;
-    for word in 0..WORDS {
-        let mut left = table.all[word] & !covered[word];
+    for (word, (all, covered)) in table.all.iter().zip(covered).enumerate() {
+        let mut left = all & !covered;
         while left != 0 {
             stack.push((table.squares[word * 64 + left.trailing_zeros() as usize], 0));
             left &= left - 1;

@@ -38,7 +38,7 @@ use decide::{DecideScratch, Decision};
 /// Cost: 0.5 to 2 µs per particle, neighbours included. In two dimensions this is the method of
 /// [`Sun`](crate::Sun), which is exact and fast already.
 ///
-/// Source: criterion `liu2024`, Sec. 3.1; interval analysis for the same purpose `sandim2016`.
+/// Source: criterion `liu2022`, Sec. 3.1; interval analysis for the same purpose `sandim2020`.
 ///
 /// ```
 /// use fieldstone_particles::{NeighbourGrid, NeighbourOptions};
