@@ -4,15 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::arctangent::atan2;
 use super::lane::Lanes;
-use crate::edge_frames::{Edge, EdgeFrames, Plane, Side};
-
-/// How near the centre may be to an edge, and its foot on a plane to a corner, in units of the radius.
-///
-/// The angles at a point at distance δ lose 1/δ in accuracy. Nearer points, some 0.1 % of all, take the slow way.
-const NEAR: f64 = 1.0 / 64.0;
-
-/// Square of the distance that [`InsideSums::nearest2`] must have for the sums to be sound.
-pub(crate) const NEAR2: f64 = NEAR * NEAR;
+use crate::edge_frames::{Edge, EdgeFrames, Plane};
 
 /// Complex numbers below this have no angle that matters: see [`sums_inside`].
 const VANISHING: f64 = 1e-60;
@@ -20,10 +12,10 @@ const VANISHING: f64 = 1e-60;
 /// Products below this are scaled up: two more factors of some 1e-80 must not underflow.
 const SMALL_PRODUCT: f64 = 1e-100;
 
-/// Balls as the kernel wants them: relative to the polyhedron's origin.
+/// Balls as the kernel wants them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlacedBalls<L> {
-    /// Centre over radius.
+    /// Centre, relative to the polyhedron's origin.
     pub centre: [L; 3],
     /// 1 / radius.
     pub scale: L,
@@ -115,7 +107,7 @@ impl<L: Lanes> Face<L> {
     ///
     /// From outside, a convex polygon is seen under less than half a turn, so the angle of the product is the sum. From
     /// inside the sum is between 0 and a whole turn: it is the angle, or a turn more. Where the angle is near 0, so that rounding
-    /// may have taken its sign, it is a turn more if the triangles have an area: their edges are 1/64 away at least.
+    /// may have taken its sign, it is a turn more if the triangles have an area: their edges are not that near.
     #[inline(always)]
     fn turn(&self) -> L {
         let zero = self.distance.like(0.0);
@@ -127,10 +119,15 @@ impl<L: Lanes> Face<L> {
     }
 }
 
+/// offset − direction · centre, in radii.
+///
+/// Scaled last: near a plane the difference is small and nearly exact, as it would not be of numbers already rounded to a
+/// multiple of 1 / radius.
 #[inline(always)]
-fn dot<L: Lanes>(a: &[f64; 3], b: &[L; 3]) -> L {
-    let [x, y, z] = *b;
-    z.like(a[2]).mul_add(z, y.like(a[1]).mul_add(y, x.like(a[0]) * x))
+fn height<L: Lanes>(offset: f64, direction: &[f64; 3], balls: &PlacedBalls<L>) -> L {
+    let [x, y, z] = balls.centre;
+    let xy = y.like(-direction[1]).mul_add(y, x.like(-direction[0]).mul_add(x, x.like(offset)));
+    z.like(-direction[2]).mul_add(z, xy) * balls.scale
 }
 
 /// Volume and error bound of unit balls with a polyhedron of up to N pieces, from the parts of its edges inside.
@@ -173,7 +170,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     // A bit for each piece that any of the balls reaches, and for each of their edges.
     let (mut in_reach, mut edges_in_reach) = (0u32, 0u64);
     for (k, (face, plane)) in faces.iter_mut().zip(&frames.planes).enumerate() {
-        face.distance = scale.like(plane.offset).mul_add(scale, -dot(&plane.normal, &balls.centre));
+        face.distance = height(plane.offset, &plane.normal, balls);
         face.reached = face.distance.abs().less(one);
         let any = L::any(face.reached);
         in_reach |= u32::from(any) << k;
@@ -215,12 +212,6 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     sums
 }
 
-/// Distance of the centre's foot from an edge's line, positive on the piece's side.
-#[inline(always)]
-fn from_line<L: Lanes>(side: &Side, balls: &PlacedBalls<L>) -> L {
-    balls.scale.like(side.offset).mul_add(balls.scale, -dot(&side.outward, &balls.centre))
-}
-
 /// Adds an edge to the sums of its faces; whether any of it is inside a ball.
 #[inline(always)]
 fn add_edge<L: Lanes, const N: usize>(
@@ -236,14 +227,14 @@ fn add_edge<L: Lanes, const N: usize>(
     let (i, j) = (first.piece as usize % N, second.piece as usize % N);
     let mut h = [zero; 2];
     if L::any(faces[i].reached) {
-        h[0] = from_line(first, balls);
+        h[0] = height(first.offset, &first.outward, balls);
         faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
         // An edge inside the ball has both of its planes in reach.
         if !L::any(faces[j].reached) {
             return false;
         }
     }
-    h[1] = from_line(second, balls);
+    h[1] = height(second.offset, &second.outward, balls);
     faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
     if !L::any(faces[i].reached) {
         return false;
@@ -256,7 +247,7 @@ fn add_edge<L: Lanes, const N: usize>(
         return false;
     }
     let t = half_chord2.max(zero).sqrt();
-    let a = scale.like(edge.start).mul_add(scale, -dot(&edge.along, &balls.centre));
+    let a = height(edge.start, &edge.along, balls);
     let b = scale.like(edge.length).mul_add(scale, a);
     let (low, high) = (a.max(-t), b.min(t));
     let inside = entered & low.less(high);

@@ -7,5 +7,5 @@ mod arctangent;
 mod inside;
 mod lane;
 
-pub(crate) use inside::{NEAR2, PlacedBalls, sums_inside};
+pub(crate) use inside::{PlacedBalls, sums_inside};
 pub(crate) use lane::{Lanes, Register, Single};
