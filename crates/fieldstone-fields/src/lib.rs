@@ -5,15 +5,24 @@
 //! fraction and void fraction, and accounts for every bit of volume in a [`Ledger`].
 
 mod binning;
+mod coarse_graining;
+mod erf;
 mod error;
+mod kernels;
 mod ledger;
 mod method;
 mod neumaier;
+mod scatter;
 mod smoothing;
 mod solid_fraction;
 mod weights;
 
+pub use coarse_graining::{
+    CoarseGraining, CoarseGrainingLedger, CoarseGrainingOptions, ContactForm, Field, FieldName, Fields, Function,
+    MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, displacements,
+};
 pub use error::FieldsError;
+pub use kernels::{Kernel, KernelShape};
 pub use ledger::Ledger;
 pub use method::Method;
 pub use neumaier::NeumaierSum;

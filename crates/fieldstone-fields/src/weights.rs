@@ -259,7 +259,7 @@ pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) ->
 /// is beyond the caches: in the order of the list every ball would wait for memory.
 ///
 /// The order is Morton's curve through 1024³ boxes around all particles, equal boxes by number.
-fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
+pub(crate) fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions {
         for k in 0..3 {

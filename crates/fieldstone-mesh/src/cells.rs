@@ -44,6 +44,19 @@ pub trait Cells: Sync {
     /// Volume of a cell.
     fn cell_volume(&self, cell: usize) -> f64;
 
+    /// Centre of a cell: its centroid, or for a round cell the point in the middle of its coordinates.
+    fn cell_centre(&self, cell: usize) -> [f64; 3];
+
+    /// Directions in which every cell spans the whole extent, and fields are averages (see [`crate::Grid::averaged`]).
+    fn averaged(&self) -> [bool; 3] {
+        [false; 3]
+    }
+
+    /// The Cartesian grid whose cells these are, where they are; centres are then found by arithmetic.
+    fn as_grid(&self) -> Option<&crate::Grid> {
+        None
+    }
+
     /// Lower and upper corner of the box around all cells.
     fn bounds(&self) -> ([f64; 3], [f64; 3]);
 

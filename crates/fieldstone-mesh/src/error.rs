@@ -127,4 +127,7 @@ pub enum MeshError {
         /// Cells.
         cells: usize,
     },
+    /// A set of coordinates that no grid resolves.
+    #[error("there are no coordinates '{0}'; choose one of O (all averaged), X, Y, Z, XY, XZ, YZ, XYZ")]
+    UnknownCoordinates(String),
 }
