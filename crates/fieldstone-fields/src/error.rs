@@ -138,7 +138,9 @@ pub enum FieldsError {
         expected: usize,
     },
     /// Neither masses nor densities are known.
-    #[error("the particles have neither a column 'mass' nor 'density' (they have: {available}); give a density for all of them (--density)")]
+    #[error(
+        "the particles have neither a column 'mass' nor 'density' (they have: {available}); give a density for all of them (--density)"
+    )]
     NoMass {
         /// Columns that there are.
         available: String,

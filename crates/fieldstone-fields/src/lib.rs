@@ -8,13 +8,16 @@ mod binning;
 mod coarse_graining;
 mod erf;
 mod error;
+mod face_fields;
 mod kernels;
 mod ledger;
 mod method;
 mod neumaier;
+mod periodic;
 mod scatter;
 mod smoothing;
 mod solid_fraction;
+mod time_weights;
 mod weights;
 
 pub use coarse_graining::{
@@ -22,10 +25,12 @@ pub use coarse_graining::{
     MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, displacements,
 };
 pub use error::FieldsError;
-pub use kernels::{Kernel, KernelShape};
+pub use face_fields::{ContactTraction, SolidFlux, contact_traction, solid_flux};
+pub use kernels::{BranchKernel, Kernel, KernelShape};
 pub use ledger::Ledger;
 pub use method::Method;
 pub use neumaier::NeumaierSum;
 pub use smoothing::smooth_conservatively;
 pub use solid_fraction::{SolidFraction, SolidFractionOptions, count_centres, solid_fraction, solid_fraction_observed};
+pub use time_weights::gaussian_time_weights;
 pub use weights::Weights;

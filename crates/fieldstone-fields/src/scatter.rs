@@ -10,6 +10,8 @@ const BLOCK: usize = 256;
 const ROUND: usize = 32;
 /// Numbers in one tile of cells: small enough for the nearest cache.
 const TILE: usize = 1 << 15;
+/// Least number of tiles, where there are as many cells.
+const TILES: usize = 64;
 
 /// One entry of a weight matrix: what `carrier` has in `cell`.
 #[derive(Debug, Clone, Copy)]
@@ -55,8 +57,9 @@ impl Sums {
             return Ok(());
         }
         let cells = self.values.len() / columns;
-        // As many cells a tile as are a power of two, so that a shift finds the tile.
-        let shift = (TILE / columns).max(1).ilog2();
+        // As many cells a tile as are a power of two, so that a shift finds the tile; some tiles for every thread even
+        // where cells are few.
+        let shift = (TILE / columns).min(cells / TILES).max(1).ilog2();
         let tiles = (cells >> shift) + 1;
         let blocks = order.len().div_ceil(BLOCK);
         for round in (0..blocks).step_by(ROUND) {
@@ -164,17 +167,23 @@ mod tests {
         let mut plain = vec![0.0; cells as usize * columns];
         for pair in (0..carriers).flat_map(pairs_of) {
             for k in 0..columns {
-                plain[pair.cell as usize * columns + k] += pair.weight * quantities[pair.carrier as usize * columns + k];
+                plain[pair.cell as usize * columns + k] +=
+                    pair.weight * quantities[pair.carrier as usize * columns + k];
             }
         }
         for threads in [1, 2, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut sums = Sums::new(cells as usize, columns);
             pool.install(|| {
-                sums.add(&Order::Numbered(carriers), &quantities, || (), |carrier, (), out| {
-                    out.extend(pairs_of(carrier));
-                    Ok(())
-                })
+                sums.add(
+                    &Order::Numbered(carriers),
+                    &quantities,
+                    || (),
+                    |carrier, (), out| {
+                        out.extend(pairs_of(carrier));
+                        Ok(())
+                    },
+                )
             })
             .unwrap();
             assert_eq!(sums.values, plain);

@@ -77,7 +77,8 @@ fn exact_weights_conserve_volume_mass_momentum_force_and_stress() {
             options.contact_form = Some(form);
             let fields = run(&grid, options, &case.particles, &case.contacts);
             let ledger = fields.ledger;
-            let volume: f64 = case.particles.radii().unwrap().iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+            let volume: f64 =
+                case.particles.radii().unwrap().iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
             let nu = integral(&grid, &fields, "volume_fraction")[0] / volume - 1.0;
             let mass = ledger.mass_binned / ledger.mass_in - 1.0;
             let speed: f64 = ledger.mass_in * size(&case.particles.quantity("velocity").unwrap().data);
@@ -132,7 +133,8 @@ fn force_balance_at_points(case: &Case, kernel: Kernel, at: [f64; 3], step: f64)
         let half = 1e-3 * kernel.width();
         Grid::new(centre.map(|x| x - half), centre.map(|x| x + half), [1; 3]).unwrap()
     };
-    let fields = |centre: [f64; 3]| run(&one(centre), options(case, Function::Kernel(kernel)), &case.particles, &case.contacts);
+    let fields =
+        |centre: [f64; 3]| run(&one(centre), options(case, Function::Kernel(kernel)), &case.particles, &case.contacts);
     let here = fields(at);
     let force = here.get("contact_force_density").unwrap().cell(0).to_vec();
     let boundary = here.get("boundary_force_density").unwrap().cell(0).to_vec();
@@ -163,7 +165,8 @@ fn forces_balance_the_divergence_of_the_stress_at_points_inside_and_near_walls()
         ] {
             let mut worst = 0.0f64;
             for at in [[0.4, 0.6, 0.08], [0.02, 0.3, 0.1]] {
-                let at = std::array::from_fn(|k| low[k].max(if k == 2 { 0.0 } else { low[k] }) + at[k] * (high[k] - low[k]));
+                let at =
+                    std::array::from_fn(|k| low[k].max(if k == 2 { 0.0 } else { low[k] }) + at[k] * (high[k] - low[k]));
                 worst = worst.max(force_balance_at_points(&case, kernel, at, step * kernel.width()));
             }
             println!("| {} | {name} | {worst:.1e} |", case.name);
@@ -193,7 +196,8 @@ fn shifting_particles_and_grid_through_periodic_boundaries_changes_nothing() {
             .iter()
             .map(|p| case.domain.wrap(std::array::from_fn(|k| p[k] + shift[k])))
             .collect();
-        let mut moved = Particles::new(positions).unwrap().with_radii(case.particles.radii().unwrap().to_vec()).unwrap();
+        let mut moved =
+            Particles::new(positions).unwrap().with_radii(case.particles.radii().unwrap().to_vec()).unwrap();
         for q in case.particles.quantities() {
             moved = moved.with_quantity(q.clone()).unwrap();
         }

@@ -8,10 +8,11 @@ use super::layout::{Column, GROUPS, Group, Layout, Slot};
 use super::names::FieldName;
 use super::options::{QuantityKind, SignConvention, UserQuantity};
 use super::strain::displacement_gradient;
+use crate::NeumaierSum;
 use crate::scatter::Sums;
 
-/// Cells handled by one task.
-const CHUNK: usize = 4096;
+/// Cells handled by one task: their sums fit a cache.
+const CHUNK: usize = 1024;
 
 /// The sums of all cells, and what turns them into densities.
 pub(super) struct Densities<'a, C: Cells> {
@@ -25,67 +26,70 @@ pub(super) struct Densities<'a, C: Cells> {
     pub sign: SignConvention,
 }
 
+/// Some cells in a row: the first, and for each one over volume and time.
+struct Part<'a> {
+    first: usize,
+    scales: &'a [f64],
+}
+
 impl<C: Cells> Densities<'_, C> {
-    /// Densities of one cell: the sum over its volume and the time.
-    fn get<const N: usize>(&self, cell: usize, slot: Slot) -> [f64; N] {
-        let sums = self.sums[slot.group as usize].cell(cell);
-        let scale = if self.per_cell[slot.group as usize] {
-            1.0 / (self.cells.cell_volume(cell) * self.time)
-        } else {
-            1.0 / self.time
-        };
-        std::array::from_fn(|k| sums[slot.start + k] * scale)
+    /// Densities of a cell of a part: the sum over its volume and the time.
+    #[inline]
+    fn get<const N: usize>(&self, part: &Part<'_>, cell: usize, slot: Slot) -> [f64; N] {
+        let sums = &self.sums[slot.group as usize].cell(part.first + cell)[slot.start..slot.start + N];
+        let scale = if self.per_cell[slot.group as usize] { part.scales[cell] } else { 1.0 / self.time };
+        std::array::from_fn(|k| sums[k] * scale)
     }
 
     fn slot(&self, column: Column) -> Slot {
-        // Every ingredient of a field is laid out with it; an empty slot gives zeros for what never was asked for.
+        // Every ingredient of a field is laid out with it.
         self.layout.find(column).unwrap_or(Slot { group: Group::Particle, start: 0, width: 0 })
     }
 
-    fn each<const N: usize>(&self, value: impl Fn(usize) -> [f64; N] + Sync) -> Vec<f64> {
-        let mut data = vec![0.0; N * self.cells.cell_count()];
-        data.par_chunks_mut(N * CHUNK).enumerate().for_each(|(chunk, part)| {
-            for (k, out) in part.chunks_exact_mut(N).enumerate() {
-                out.copy_from_slice(&value(chunk * CHUNK + k));
-            }
-        });
-        data
-    }
-
-    fn linear<const N: usize>(&self, column: Column) -> Vec<f64> {
+    fn linear<const N: usize>(&self, part: &Part<'_>, out: &mut [f64], column: Column) {
         let slot = self.slot(column);
-        self.each::<N>(|cell| self.get(cell, slot))
+        each::<N>(out, |cell| self.get(part, cell, slot));
     }
 
     /// Σ over cells of density × cell volume.
     pub fn total<const N: usize>(&self, column: Column) -> [f64; N] {
         let Some(slot) = self.layout.find(column) else { return [0.0; N] };
-        let mut totals = [crate::NeumaierSum::default(); N];
-        for cell in 0..self.cells.cell_count() {
-            let sums = &self.sums[slot.group as usize].cell(cell)[slot.start..];
-            let scale = if self.per_cell[slot.group as usize] { 1.0 } else { self.cells.cell_volume(cell) };
-            (0..N).for_each(|k| totals[k].add(sums[k] * scale));
-        }
-        totals.map(|t| t.value() / self.time)
+        let sums = &self.sums[slot.group as usize];
+        let per_cell = self.per_cell[slot.group as usize];
+        // Chunk by chunk, so that the result does not depend on the number of threads.
+        let parts: Vec<[NeumaierSum; N]> = sums
+            .values
+            .par_chunks(sums.columns * CHUNK)
+            .enumerate()
+            .map(|(chunk, part)| {
+                let mut totals = [NeumaierSum::default(); N];
+                for (k, sums) in part.chunks_exact(sums.columns).enumerate() {
+                    let scale = if per_cell { 1.0 } else { self.cells.cell_volume(chunk * CHUNK + k) };
+                    (0..N).for_each(|n| totals[n].add(sums[slot.start + n] * scale));
+                }
+                totals
+            })
+            .collect();
+        std::array::from_fn(|n| parts.iter().map(|part| part[n].value()).collect::<NeumaierSum>().value() / self.time)
     }
 
     /// u = j/ρ; nothing moves where there is no mass.
-    fn ratio<const N: usize>(&self, numerator: Column, denominator: Column) -> Vec<f64> {
+    fn ratio<const N: usize>(&self, part: &Part<'_>, out: &mut [f64], numerator: Column, denominator: Column) {
         let (a, b) = (self.slot(numerator), self.slot(denominator));
-        self.each::<N>(|cell| over(self.get(cell, a), self.get::<1>(cell, b)[0]))
+        each::<N>(out, |cell| over(self.get(part, cell, a), self.get::<1>(part, cell, b)[0]));
     }
 
     /// Compression-positive kinetic stress k − ρ u⊗u of one cell.
-    fn kinetic_stress(&self) -> impl Fn(usize) -> [f64; 6] + Sync + '_ {
+    fn kinetic_stress<'a>(&'a self, part: &'a Part<'_>) -> impl Fn(usize) -> [f64; 6] + 'a {
         let [flux, mass, momentum] = [Column::MomentumFlux, Column::Mass, Column::Momentum].map(|c| self.slot(c));
         let mean = self.layout.find(Column::MeanFlux);
         move |cell| {
-            let k: [f64; 6] = self.get(cell, flux);
+            let k: [f64; 6] = self.get(part, cell, flux);
             let mean: [f64; 6] = match mean {
-                Some(slot) => self.get(cell, slot),
+                Some(slot) => self.get(part, cell, slot),
                 None => {
-                    let j: [f64; 3] = self.get(cell, momentum);
-                    mean_flux(self.get::<1>(cell, mass)[0], j)
+                    let j: [f64; 3] = self.get(part, cell, momentum);
+                    mean_flux(self.get::<1>(part, cell, mass)[0], j)
                 }
             };
             // What rounding leaves of the difference on the diagonal is nothing.
@@ -96,82 +100,83 @@ impl<C: Cells> Densities<'_, C> {
         }
     }
 
-    fn total_stress(&self) -> impl Fn(usize) -> [f64; 9] + Sync + '_ {
+    fn total_stress<'a>(&'a self, part: &'a Part<'_>) -> impl Fn(usize) -> [f64; 9] + 'a {
         let contact = self.slot(Column::Stress);
-        let kinetic = self.kinetic_stress();
+        let kinetic = self.kinetic_stress(part);
         let sign = -self.sign.of_force_times_branch();
         move |cell| {
-            let c: [f64; 9] = self.get(cell, contact);
+            let c: [f64; 9] = self.get(part, cell, contact);
             let k = full(kinetic(cell));
             std::array::from_fn(|n| c[n] + sign * k[n])
         }
     }
 
-    fn data(&self, field: FieldName) -> Vec<f64> {
+    /// A field by name, in some cells.
+    fn fill(&self, field: FieldName, part: &Part<'_>, out: &mut [f64]) {
         let compression = -self.sign.of_force_times_branch();
         match field {
-            FieldName::VolumeFraction => self.linear::<1>(Column::Volume),
-            FieldName::Density => self.linear::<1>(Column::Mass),
-            FieldName::Momentum => self.linear::<3>(Column::Momentum),
-            FieldName::MomentumFlux => self.linear::<6>(Column::MomentumFlux),
-            FieldName::ContactStress => self.linear::<9>(Column::Stress),
-            FieldName::BoundaryForceDensity => self.linear::<3>(Column::BoundaryForce),
-            FieldName::ParticleSize => self.linear::<6>(Column::Size),
-            FieldName::ContactForceDensity => self.linear::<3>(Column::ContactForce),
-            FieldName::Velocity => self.ratio::<3>(Column::Momentum, Column::Mass),
+            FieldName::VolumeFraction => self.linear::<1>(part, out, Column::Volume),
+            FieldName::Density => self.linear::<1>(part, out, Column::Mass),
+            FieldName::Momentum => self.linear::<3>(part, out, Column::Momentum),
+            FieldName::MomentumFlux => self.linear::<6>(part, out, Column::MomentumFlux),
+            FieldName::ContactStress => self.linear::<9>(part, out, Column::Stress),
+            FieldName::BoundaryForceDensity => self.linear::<3>(part, out, Column::BoundaryForce),
+            FieldName::ParticleSize => self.linear::<6>(part, out, Column::Size),
+            FieldName::ContactForceDensity => self.linear::<3>(part, out, Column::ContactForce),
+            FieldName::Velocity => self.ratio::<3>(part, out, Column::Momentum, Column::Mass),
             FieldName::KineticStress => {
-                let stress = self.kinetic_stress();
-                self.each(|cell| stress(cell).map(|s| compression * s))
+                let stress = self.kinetic_stress(part);
+                each(out, |cell| stress(cell).map(|s| compression * s))
             }
             FieldName::GranularTemperature => {
-                let (stress, mass) = (self.kinetic_stress(), self.slot(Column::Mass));
-                self.each(|cell| {
+                let (stress, mass) = (self.kinetic_stress(part), self.slot(Column::Mass));
+                each(out, |cell| {
                     let s = stress(cell);
-                    over([s[0] + s[3] + s[5]], 3.0 * self.get::<1>(cell, mass)[0])
+                    over([s[0] + s[3] + s[5]], 3.0 * self.get::<1>(part, cell, mass)[0])
                 })
             }
             FieldName::TotalStress => {
-                let stress = self.total_stress();
-                self.each(stress)
+                let stress = self.total_stress(part);
+                each(out, stress)
             }
             FieldName::Pressure => {
-                let stress = self.total_stress();
-                self.each(|cell| {
+                let stress = self.total_stress(part);
+                each(out, |cell| {
                     let s = stress(cell);
                     [(s[0] + s[4] + s[8]) / 3.0]
                 })
             }
-            FieldName::KineticEnergyDensity => self.linear::<1>(Column::KineticEnergy),
-            FieldName::KineticEnergyFlux => self.linear::<3>(Column::KineticEnergyFlux),
-            FieldName::ContactEnergyFlux => self.linear::<3>(Column::ContactEnergy),
-            FieldName::AngularMomentum => self.linear::<3>(Column::AngularMomentum),
-            FieldName::SpinDensity => self.linear::<3>(Column::Spin),
-            FieldName::AngularVelocity => self.ratio::<3>(Column::Spin, Column::Inertia),
+            FieldName::KineticEnergyDensity => self.linear::<1>(part, out, Column::KineticEnergy),
+            FieldName::KineticEnergyFlux => self.linear::<3>(part, out, Column::KineticEnergyFlux),
+            FieldName::ContactEnergyFlux => self.linear::<3>(part, out, Column::ContactEnergy),
+            FieldName::AngularMomentum => self.linear::<3>(part, out, Column::AngularMomentum),
+            FieldName::SpinDensity => self.linear::<3>(part, out, Column::Spin),
+            FieldName::AngularVelocity => self.ratio::<3>(part, out, Column::Spin, Column::Inertia),
             FieldName::MomentumWithSpin => {
                 let (centre, spin) = (self.slot(Column::Momentum), self.slot(Column::SpinMomentum));
-                self.each::<3>(|cell| {
-                    let (a, b): ([f64; 3], [f64; 3]) = (self.get(cell, centre), self.get(cell, spin));
+                each::<3>(out, |cell| {
+                    let (a, b): ([f64; 3], [f64; 3]) = (self.get(part, cell, centre), self.get(part, cell, spin));
                     std::array::from_fn(|k| a[k] + b[k])
                 })
             }
-            FieldName::Fabric => self.linear::<6>(Column::Fabric),
-            FieldName::CoordinationNumber => self.ratio::<1>(Column::ContactCount, Column::Size),
-            FieldName::CoupleStress => self.linear::<9>(Column::Couple),
+            FieldName::Fabric => self.linear::<6>(part, out, Column::Fabric),
+            FieldName::CoordinationNumber => self.ratio::<1>(part, out, Column::ContactCount, Column::Size),
+            FieldName::CoupleStress => self.linear::<9>(part, out, Column::Couple),
             FieldName::MeanRadius => {
                 let size = self.slot(Column::Size);
-                self.each(|cell| {
-                    let [number, radius]: [f64; 2] = self.get(cell, size);
+                each(out, |cell| {
+                    let [number, radius]: [f64; 2] = self.get(part, cell, size);
                     over([radius], number)
                 })
             }
-            FieldName::Displacement => self.ratio::<3>(Column::MassDisplacement, Column::Mass),
+            FieldName::Displacement => self.ratio::<3>(part, out, Column::MassDisplacement, Column::Mass),
             FieldName::DisplacementGradient => {
-                let gradient = self.gradient();
-                self.each(gradient)
+                let gradient = self.gradient(part);
+                each(out, gradient)
             }
             FieldName::StrainIncrement => {
-                let gradient = self.gradient();
-                self.each(|cell| {
+                let gradient = self.gradient(part);
+                each(out, |cell| {
                     let g = gradient(cell);
                     let s = |a: usize, b: usize| 0.5 * (g[3 * a + b] + g[3 * b + a]);
                     [s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)]
@@ -180,59 +185,86 @@ impl<C: Cells> Densities<'_, C> {
         }
     }
 
-    fn gradient(&self) -> impl Fn(usize) -> [f64; 9] + Sync + '_ {
+    fn gradient<'a>(&'a self, part: &'a Part<'_>) -> impl Fn(usize) -> [f64; 9] + 'a {
         use Column::*;
         let slots = [Mass, MassPosition, MassPosition2, MassDisplacement, MassDisplacementPosition]
             .map(|column| self.slot(column));
         move |cell| {
             displacement_gradient(
-                self.get::<1>(cell, slots[0])[0],
-                self.get(cell, slots[1]),
-                self.get(cell, slots[2]),
-                self.get(cell, slots[3]),
-                self.get(cell, slots[4]),
+                self.get::<1>(part, cell, slots[0])[0],
+                self.get(part, cell, slots[1]),
+                self.get(part, cell, slots[2]),
+                self.get(part, cell, slots[3]),
+                self.get(part, cell, slots[4]),
             )
         }
     }
 
-    /// A field by name.
-    pub fn field(&self, field: FieldName) -> Field {
-        Field {
-            name: field.name().into(),
-            components: field.components().iter().map(|c| (*c).into()).collect(),
-            unit: field.unit().into(),
-            data: self.data(field),
-        }
-    }
-
-    /// A field of the user's columns.
-    pub fn user_field(&self, index: usize, quantity: &UserQuantity) -> Field {
-        let width = quantity.columns.len();
+    /// A field of the user's columns, in some cells.
+    fn fill_user(&self, index: usize, quantity: &UserQuantity, part: &Part<'_>, out: &mut [f64]) {
         let slot = self.slot(Column::User(index));
         let by = match quantity.kind {
             QuantityKind::Sum => None,
             QuantityKind::MassMean => Some(self.slot(Column::Mass)),
             QuantityKind::VolumeMean => Some(self.slot(Column::Volume)),
         };
-        let mut data = vec![0.0; width * self.cells.cell_count()];
-        data.par_chunks_mut(width.max(1)).enumerate().for_each(|(cell, out)| {
+        for (cell, out) in out.chunks_exact_mut(slot.width.max(1)).enumerate() {
             for (k, out) in out.iter_mut().enumerate() {
-                let [value] = self.get::<1>(cell, Slot { start: slot.start + k, ..slot });
-                *out = match by {
+                let value = self.get::<1>(part, cell, Slot { start: slot.start + k, ..slot });
+                [*out] = match by {
                     None => value,
-                    Some(by) => over([value], self.get::<1>(cell, by)[0])[0],
+                    Some(by) => over(value, self.get::<1>(part, cell, by)[0]),
                 };
             }
-        });
-        Field {
-            name: quantity.name.clone(),
-            components: if width == 1 { vec![String::new()] } else { quantity.columns.clone() },
-            unit: match quantity.kind {
-                QuantityKind::Sum => "quantity/length³".into(),
-                _ => "quantity".into(),
-            },
-            data,
         }
+    }
+
+    /// All fields, in one pass over the sums.
+    pub fn fields(&self, names: &[FieldName], quantities: &[UserQuantity]) -> Vec<Field> {
+        let count = self.cells.cell_count();
+        let named = names.iter().map(|field| Field {
+            name: field.name().into(),
+            components: field.components().iter().map(|c| (*c).into()).collect(),
+            unit: field.unit().into(),
+            data: vec![0.0; count * field.components().len()],
+        });
+        let users = quantities.iter().map(|quantity| {
+            let width = quantity.columns.len();
+            Field {
+                name: quantity.name.clone(),
+                components: if width == 1 { vec![String::new()] } else { quantity.columns.clone() },
+                unit: if quantity.kind == QuantityKind::Sum { "quantity/length³" } else { "quantity" }.into(),
+                data: vec![0.0; count * width],
+            }
+        });
+        let mut fields: Vec<Field> = named.chain(users).collect();
+        // For each chunk of cells its part of every field.
+        let mut parts: Vec<Vec<&mut [f64]>> = (0..count.div_ceil(CHUNK)).map(|_| Vec::new()).collect();
+        for field in &mut fields {
+            let width = field.components.len().max(1);
+            parts.iter_mut().zip(field.data.chunks_mut(width * CHUNK)).for_each(|(part, data)| part.push(data));
+        }
+        parts.into_par_iter().enumerate().for_each(|(chunk, outputs)| {
+            let first = chunk * CHUNK;
+            let scales: Vec<f64> = (first..(first + CHUNK).min(count))
+                .map(|cell| 1.0 / (self.cells.cell_volume(cell) * self.time))
+                .collect();
+            let part = Part { first, scales: &scales };
+            for (k, out) in outputs.into_iter().enumerate() {
+                match names.get(k) {
+                    Some(&field) => self.fill(field, &part, out),
+                    None => self.fill_user(k - names.len(), &quantities[k - names.len()], &part, out),
+                }
+            }
+        });
+        fields
+    }
+}
+
+#[inline]
+fn each<const N: usize>(out: &mut [f64], value: impl Fn(usize) -> [f64; N]) {
+    for (cell, out) in out.chunks_exact_mut(N).enumerate() {
+        out.copy_from_slice(&value(cell));
     }
 }
 

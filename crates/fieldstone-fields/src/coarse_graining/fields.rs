@@ -72,7 +72,4 @@ pub struct CoarseGrainingLedger {
     pub stress_sum_contacts: [f64; 9],
     /// Σ σ V_c; zero unless the contact stress is among the sums.
     pub stress_sum_fields: [f64; 9],
-    /// Largest residual of a cell's momentum balance over the largest contact force, where asked for: see
-    /// [`crate::contact_traction`].
-    pub balance_residual: Option<f64>,
 }

@@ -6,8 +6,11 @@ use fieldstone_particles::{Contact, Contacts, Particles, Partner};
 use rayon::prelude::*;
 
 use super::layout::{Column, Layout};
-use super::options::{CoarseGrainingOptions, Selection, component_of};
+use super::options::{CoarseGrainingOptions, QuantityKind, Selection, component_of};
 use crate::FieldsError;
+
+/// Columns of which each has one number per particle, this far apart.
+type Strided<'a> = Vec<(&'a [f64], usize)>;
 
 /// Columns of a particle set that fields are made of.
 pub(super) struct Frame<'a> {
@@ -19,12 +22,16 @@ pub(super) struct Frame<'a> {
     pub spins: Option<&'a [f64]>,
     pub displacements: Option<&'a [f64]>,
     /// Columns of each of the user's quantities: from their component on, and how far apart particles are.
-    pub user: Vec<Vec<(&'a [f64], usize)>>,
+    pub user: Vec<(QuantityKind, Strided<'a>)>,
     pub selected: Vec<bool>,
 }
 
 impl<'a> Frame<'a> {
-    pub fn new(particles: &'a Particles, options: &CoarseGrainingOptions, layout: &Layout) -> Result<Self, FieldsError> {
+    pub fn new(
+        particles: &'a Particles,
+        options: &CoarseGrainingOptions,
+        layout: &Layout,
+    ) -> Result<Self, FieldsError> {
         use Column::*;
         let radii = particles.radii()?;
         if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
@@ -52,7 +59,9 @@ impl<'a> Frame<'a> {
                     let found = particles.quantity(name)?;
                     finite(name, &found.data, found.components)?;
                     match component {
-                        Some(k) if k < found.components => Ok((found.data.get(k..).unwrap_or_default(), found.components)),
+                        Some(k) if k < found.components => {
+                            Ok((found.data.get(k..).unwrap_or_default(), found.components))
+                        }
                         None if found.components == 1 => Ok((&found.data[..], 1)),
                         _ => Err(FieldsError::Components {
                             name: column.clone(),
@@ -61,9 +70,9 @@ impl<'a> Frame<'a> {
                         }),
                     }
                 };
-                quantity.columns.iter().map(one).collect::<Result<Vec<_>, FieldsError>>()
+                Ok((quantity.kind, quantity.columns.iter().map(one).collect::<Result<Strided<'a>, FieldsError>>()?))
             })
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, FieldsError>>()?;
         Ok(Self {
             positions: particles.positions(),
             radii,

@@ -1,7 +1,7 @@
 //! Which sums are kept, and where: only what the fields asked for are made of.
 
 use super::names::FieldName;
-use super::options::{ContactForm, CoarseGrainingOptions, MeanVelocity, QuantityKind};
+use super::options::{CoarseGrainingOptions, ContactForm, MeanVelocity, QuantityKind};
 
 /// A linear sum over particles or contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,10 @@ impl Layout {
             }
             let fluctuates = matches!(
                 field,
-                FieldName::KineticStress | FieldName::GranularTemperature | FieldName::TotalStress | FieldName::Pressure
+                FieldName::KineticStress
+                    | FieldName::GranularTemperature
+                    | FieldName::TotalStress
+                    | FieldName::Pressure
             );
             if fluctuates && options.mean_velocity == MeanVelocity::Frame {
                 layout.keep(Column::MeanFlux, 6, form);

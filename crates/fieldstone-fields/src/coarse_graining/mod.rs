@@ -7,7 +7,6 @@ mod layout;
 mod names;
 mod options;
 mod particle_sums;
-mod periodic;
 mod places;
 mod segments;
 mod strain;
@@ -24,6 +23,7 @@ use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, NeumaierSum};
 
+use crate::periodic::Periods;
 use derive::Densities;
 pub use fields::{CoarseGrainingLedger, Field, Fields};
 use frame::Frame;
@@ -33,7 +33,6 @@ pub use options::{
     CoarseGrainingOptions, ContactForm, Function, MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity,
 };
 use particle_sums::{branch_quantities, contact_sums, cross, outer, particle_quantities};
-use periodic::Periods;
 use segments::Segments;
 pub use strain::displacements;
 use weigh::{ContactWeights, ParticleWeights, Sampling, Scratch, Weigher};
@@ -216,12 +215,8 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         };
         let placed: Vec<AtomicU64> = (0..frame.len()).map(|_| AtomicU64::new(0)).collect();
         let mut weigher = Weigher { cells: self.cells, weights, periods, first_image: None, placed: &placed };
-        let by_image = [
-            Column::AngularMomentum,
-            Column::MassPosition,
-            Column::MassPosition2,
-            Column::MassDisplacementPosition,
-        ];
+        let by_image =
+            [Column::AngularMomentum, Column::MassPosition, Column::MassPosition2, Column::MassDisplacementPosition];
         let mut carriers = None;
         let mut first = Vec::new();
         if weigher.periods.any() && self.layout.any(&by_image) {
@@ -402,10 +397,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             time: self.time,
             sign: self.options.sign,
         };
-        let mut fields: Vec<Field> = self.options.fields.iter().map(|&f| densities.field(f)).collect();
-        for (index, quantity) in self.options.quantities.iter().enumerate() {
-            fields.push(densities.user_field(index, quantity));
-        }
+        let fields = densities.fields(&self.options.fields, &self.options.quantities);
         let mean = |sum: &NeumaierSum| sum.value() / self.time;
         let [mass_binned] = densities.total::<1>(Column::Mass);
         let ledger = CoarseGrainingLedger {
@@ -418,13 +410,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             stress_sum_fields: densities.total(Column::Stress),
             ..self.ledger
         };
-        Ok(Fields {
-            fields,
-            sign: self.options.sign,
-            function: self.options.function,
-            contact_form: form,
-            ledger,
-        })
+        Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })
     }
 }
 

@@ -108,9 +108,7 @@ impl FieldName {
                 "all" => Self::ALL
                     .iter()
                     .copied()
-                    .filter(|f| {
-                        !f.needs_displacement() && *f != Self::MomentumWithSpin
-                    })
+                    .filter(|f| !f.needs_displacement() && *f != Self::MomentumWithSpin)
                     .collect(),
                 name => vec![name.parse()?],
             };

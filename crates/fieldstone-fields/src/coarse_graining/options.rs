@@ -161,8 +161,6 @@ pub struct CoarseGrainingOptions {
     pub domain: Option<Domain>,
     /// Density of all particles, where they have neither a `mass` nor a `density` column.
     pub particle_density: Option<f64>,
-    /// Whether the ledger states how well the forces on the particles of each cell balance with what crosses its faces.
-    pub check_balance: bool,
 }
 
 impl Default for CoarseGrainingOptions {
@@ -179,7 +177,6 @@ impl Default for CoarseGrainingOptions {
             selection: Selection::default(),
             domain: None,
             particle_density: None,
-            check_balance: false,
         }
     }
 }
@@ -213,6 +210,9 @@ impl CoarseGrainingOptions {
         }
         let mut names: Vec<&str> = self.fields.iter().map(|f| f.name()).collect();
         for quantity in &self.quantities {
+            if quantity.columns.is_empty() {
+                return Err(FieldsError::Combination { what: "a quantity needs at least one column" });
+            }
             if names.contains(&quantity.name.as_str()) || quantity.name.is_empty() {
                 return Err(FieldsError::DuplicateField(quantity.name.clone()));
             }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::layout::{Column, Group, Layout};
+use super::options::QuantityKind;
 
 /// `width` numbers for each carrier, where carriers are particles or their periodic images.
 ///
@@ -23,8 +24,20 @@ pub(super) fn particle_quantities(
     let at = |column| layout.within(Group::Particle, column).map(|slot| slot.start);
     use Column::*;
     let slots = [
-        Volume, Mass, Momentum, MomentumFlux, Size, KineticEnergy, KineticEnergyFlux, AngularMomentum, Spin, Inertia,
-        MassPosition, MassPosition2, MassDisplacement, MassDisplacementPosition,
+        Volume,
+        Mass,
+        Momentum,
+        MomentumFlux,
+        Size,
+        KineticEnergy,
+        KineticEnergyFlux,
+        AngularMomentum,
+        Spin,
+        Inertia,
+        MassPosition,
+        MassPosition2,
+        MassDisplacement,
+        MassDisplacementPosition,
     ]
     .map(|column| (column, at(column)));
     let users: Vec<usize> = (0..frame.user.len()).filter_map(|q| at(User(q))).collect();
@@ -74,8 +87,14 @@ pub(super) fn particle_quantities(
             }
         }
         for (quantity, &start) in users.iter().enumerate() {
-            for (k, &(data, stride)) in frame.user[quantity].iter().enumerate() {
-                row[start + k] = data[particle * stride];
+            let (kind, columns) = &frame.user[quantity];
+            let by = match kind {
+                QuantityKind::Sum => 1.0,
+                QuantityKind::MassMean => m,
+                QuantityKind::VolumeMean => frame.volumes[particle],
+            };
+            for (k, &(data, stride)) in columns.iter().enumerate() {
+                row[start + k] = by * data[particle * stride];
             }
         }
         row.iter_mut().for_each(|x| *x *= factor);
@@ -140,7 +159,13 @@ pub(super) fn contact_sums(
 }
 
 /// `width` numbers for each branch.
-pub(super) fn branch_quantities(frame: &Frame<'_>, layout: &Layout, sides: &[Contact], sign: f64, factor: f64) -> Vec<f64> {
+pub(super) fn branch_quantities(
+    frame: &Frame<'_>,
+    layout: &Layout,
+    sides: &[Contact],
+    sign: f64,
+    factor: f64,
+) -> Vec<f64> {
     use Column::*;
     let width = layout.width(Group::Branch);
     let at = |column| layout.within(Group::Branch, column).map(|slot| slot.start);

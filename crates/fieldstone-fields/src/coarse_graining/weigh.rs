@@ -6,10 +6,10 @@ use fieldstone_geometry::{Ball, Polyhedron, overlap_moments};
 use fieldstone_mesh::Cells;
 
 use super::frame::Frame;
-use super::periodic::Periods;
 use super::places::Places;
 use super::segments::Segments;
 use crate::binning::Binning;
+use crate::periodic::Periods;
 use crate::scatter::Pair;
 use crate::{FieldsError, Kernel};
 
@@ -56,12 +56,12 @@ impl<'a> Sampling<'a> {
     /// Pairs (cell, ψ) of a branch.
     pub fn branch(&self, start: [f64; 3], branch: [f64; 3], mut emit: impl FnMut(u32, f64)) {
         let c = self.kernel.reach();
-        let b = self.resolved(branch);
+        let kernel = self.kernel.branch(self.resolved(branch));
         let low = std::array::from_fn(|k| start[k] + branch[k].min(0.0) - c);
         let high = std::array::from_fn(|k| start[k] + branch[k].max(0.0) + c);
         self.places.for_each(low, high, |cell, centre| {
             let x = self.resolved([centre[0] - start[0], centre[1] - start[1], centre[2] - start[2]]);
-            let value = self.kernel.along_branch(x, b);
+            let value = kernel.at(x);
             if value > 0.0 {
                 emit(cell, value * self.share);
             }
@@ -238,13 +238,7 @@ impl<C: Cells> ContactWeights<'_, C> {
     }
 
     /// Pairs of a contact point, in all images.
-    pub fn point(
-        &self,
-        periods: &Periods,
-        at: [f64; 3],
-        scratch: &mut Scratch<C>,
-        mut emit: impl FnMut(u32, f64),
-    ) {
+    pub fn point(&self, periods: &Periods, at: [f64; 3], scratch: &mut Scratch<C>, mut emit: impl FnMut(u32, f64)) {
         images_of(periods, at, self.reach(), |at| match self {
             Self::Sampled(sampling) => sampling.point(at, &mut emit),
             Self::Segments(segments) => {

@@ -24,6 +24,7 @@ pub(super) fn mass(dimensions: usize, reach: f64) -> f64 {
 /// $\int_{a}^{b} \mathrm{shape}(h^2 + t^2) \, dt$.
 #[inline]
 pub(super) fn along(h2: f64, a: f64, b: f64) -> f64 {
-    let half_root = (0.5 * PI).sqrt();
-    shape(h2) * half_root * (erf(b * FRAC_1_SQRT_2) - erf(a * FRAC_1_SQRT_2))
+    /// √(π/2).
+    const HALF_ROOT: f64 = 1.253_314_137_315_500_3;
+    shape(h2) * HALF_ROOT * (erf(b * FRAC_1_SQRT_2) - erf(a * FRAC_1_SQRT_2))
 }

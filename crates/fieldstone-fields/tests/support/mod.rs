@@ -55,13 +55,8 @@ pub fn mercury_box() -> Option<Case> {
         let force: [f64; 3] = std::array::from_fn(|k| r[8] * r[10 + k] + r[9] * r[13 + k]);
         let arm = minus(point, positions[i]);
         if j < 0 {
-            let contact = Contact {
-                particle: i as u32,
-                partner: Partner::Wall(-j),
-                force: force.map(|f| -f),
-                arm,
-                branch: arm,
-            };
+            let contact =
+                Contact { particle: i as u32, partner: Partner::Wall(-j), force: force.map(|f| -f), arm, branch: arm };
             contacts.push(1000, contact).unwrap();
         } else if i < j as usize {
             let branch = minus(positions[j as usize], positions[i]);
@@ -125,9 +120,7 @@ impl Dump {
             .unwrap()
             .with_quantity(quantity("velocity", 3, self.vector(["vx", "vy", "vz"])))
             .unwrap();
-        for (name, columns) in
-            [("force", ["fx", "fy", "fz"]), ("angular_velocity", ["omegax", "omegay", "omegaz"])]
-        {
+        for (name, columns) in [("force", ["fx", "fy", "fz"]), ("angular_velocity", ["omegax", "omegay", "omegaz"])] {
             if self.columns.contains_key(columns[0]) {
                 particles = particles.with_quantity(quantity(name, 3, self.vector(columns))).unwrap();
             }

@@ -7,7 +7,7 @@ use fieldstone_particles::Domain;
 /// Unlike [`Domain::images`] the box is that of the cells, which need not lie in the domain: a grid that has been moved
 /// along with the particles sees the same images.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Periods {
+pub(crate) struct Periods {
     /// Period along x, y, z where images are wanted; lower triangular for a tilted box.
     vectors: [Option<[f64; 3]>; 3],
     low: [f64; 3],
@@ -17,9 +17,7 @@ pub(super) struct Periods {
 impl Periods {
     /// Along directions marked in `once` everything counts once, wherever it is.
     pub fn new(domain: Option<&Domain>, once: [bool; 3], (low, high): ([f64; 3], [f64; 3])) -> Self {
-        let vectors = std::array::from_fn(|k| {
-            Some(domain.filter(|d| d.periodic()[k] && !once[k])?.cell_vectors()[k])
-        });
+        let vectors = std::array::from_fn(|k| Some(domain.filter(|d| d.periodic()[k] && !once[k])?.cell_vectors()[k]));
         Self { vectors, low, high }
     }
 
