@@ -322,6 +322,36 @@ impl Cells for Grid {
         let corners = order.map(|at: [usize; 3]| [0, 1, 2].map(|k| sides[k][at[k]]));
         visit(1.0, ElementKind::Hexahedron, &corners);
     }
+
+    fn clip_segment(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) -> bool {
+        // A plane that the segment lies in belongs to the cells above it, as for points.
+        let spans: [[usize; 2]; 3] = std::array::from_fn(|k| {
+            let (low, high) = (start[k] + along[k].min(0.0), start[k] + along[k].max(0.0));
+            let [first, last] = self.span(k, low, high.next_up());
+            [first, last.max(first)]
+        });
+        for k in spans[2][0]..spans[2][1] {
+            for j in spans[1][0]..spans[1][1] {
+                for i in spans[0][0]..spans[0][1] {
+                    let at = [i, j, k];
+                    let (mut from, mut to) = (0.0f64, 1.0f64);
+                    for axis in 0..3 {
+                        if along[axis] == 0.0 {
+                            continue;
+                        }
+                        let a = (self.plane(axis, at[axis]) - start[axis]) / along[axis];
+                        let b = (self.plane(axis, at[axis] + 1) - start[axis]) / along[axis];
+                        from = from.max(a.min(b));
+                        to = to.min(a.max(b));
+                    }
+                    if to > from {
+                        visit(self.cell_at(at) as u32, to - from);
+                    }
+                }
+            }
+        }
+        true
+    }
 }
 
 impl Grid {

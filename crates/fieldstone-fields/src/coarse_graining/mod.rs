@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
-use crate::{FieldsError, NeumaierSum};
+use crate::{FieldsError, Method, NeumaierSum};
 
 use crate::periodic::Periods;
 use derive::Densities;
@@ -112,6 +112,13 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     /// Options out of range or that do not go together.
     pub fn new(cells: &'a C, options: CoarseGrainingOptions) -> Result<Self, FieldsError> {
         options.validate()?;
+        let planar = matches!(options.function, Function::Overlap(Method::Decomposition | Method::Cube))
+            || options.fields.contains(&FieldName::MomentumWithSpin);
+        if planar && !cells.is_polyhedral() {
+            return Err(FieldsError::Combination {
+                what: "round cells have no planar faces: choose the exact kernel, and leave out the momentum with spin",
+            });
+        }
         let layout = Layout::new(&options);
         let sums = GROUPS.map(|group| Sums::new(cells.cell_count(), layout.width(group)));
         Ok(Self {

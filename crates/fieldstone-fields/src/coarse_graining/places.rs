@@ -11,17 +11,23 @@ pub(super) enum Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    pub fn new<C: Cells>(cells: &'a C) -> Self {
+    pub fn new<C: Cells>(cells: &'a C, spacing: f64) -> Self {
         match cells.as_grid() {
             Some(grid) => Self::Grid(grid),
-            None => Self::Scattered(Buckets::new((0..cells.cell_count()).map(|c| cells.cell_centre(c)).collect())),
+            None => {
+                let mut samples = Vec::with_capacity(cells.cell_count());
+                for cell in 0..cells.cell_count() {
+                    cells.for_each_sample(cell, spacing, &mut |at, share| samples.push((cell as u32, share, at)));
+                }
+                Self::Scattered(Buckets::new(&samples, cells.averaged()))
+            }
         }
     }
 
-    /// Calls `visit` with each cell whose centre lies in the box, and with the centre, in an order that is always the
-    /// same; along averaged directions every centre does.
+    /// Calls `visit` with each cell whose centre lies in the box, the centre, and its share in the cell, in an order that
+    /// is always the same; along averaged directions every centre does.
     #[inline]
-    pub fn for_each(&self, low: [f64; 3], high: [f64; 3], mut visit: impl FnMut(u32, [f64; 3])) {
+    pub fn for_each(&self, low: [f64; 3], high: [f64; 3], mut visit: impl FnMut(u32, f64, [f64; 3])) {
         match self {
             Self::Grid(grid) => {
                 let (origin, spacing, count, averaged) = (grid.low(), grid.spacing(), grid.cells(), grid.averaged());
@@ -42,7 +48,7 @@ impl<'a> Places<'a> {
                         let row = grid.cell_at([0, j, k]);
                         let (y, z) = (centre(1, j), centre(2, k));
                         for i in spans[0][0]..spans[0][1] {
-                            visit((row + i) as u32, [centre(0, i), y, z]);
+                            visit((row + i) as u32, 1.0, [centre(0, i), y, z]);
                         }
                     }
                 }
@@ -58,13 +64,14 @@ pub(super) struct Buckets {
     scale: f64,
     counts: [usize; 3],
     ends: Vec<u32>,
-    points: Vec<(u32, [f64; 3])>,
+    points: Vec<(u32, f64, [f64; 3])>,
+    averaged: [bool; 3],
 }
 
 impl Buckets {
-    fn new(centres: Vec<[f64; 3]>) -> Self {
+    fn new(centres: &[(u32, f64, [f64; 3])], averaged: [bool; 3]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for p in &centres {
+        for (_, _, p) in centres {
             for k in 0..3 {
                 low[k] = low[k].min(p[k]);
                 high[k] = high[k].max(p[k]);
@@ -75,17 +82,17 @@ impl Buckets {
         let bulk: f64 = extent.map(|e| e.max(1e-3 * longest)).iter().product();
         let size = (2.0 * bulk / centres.len().max(1) as f64).cbrt();
         let counts = extent.map(|e| (e / size) as usize + 1);
-        let mut this = Self { low, scale: 1.0 / size, counts, ends: Vec::new(), points: Vec::new() };
-        let home: Vec<usize> = centres.iter().map(|&p| this.bucket(p.map(|x| x.clamp(-1e300, 1e300)))).collect();
+        let mut this = Self { low, scale: 1.0 / size, counts, ends: Vec::new(), points: Vec::new(), averaged };
+        let home: Vec<usize> = centres.iter().map(|&(_, _, p)| this.bucket(p)).collect();
         let mut ends = vec![0u32; counts.iter().product::<usize>() + 1];
         home.iter().for_each(|&b| ends[b + 1] += 1);
         for b in 1..ends.len() {
             ends[b] += ends[b - 1];
         }
         let mut next = ends.clone();
-        let mut points = vec![(0, [0.0; 3]); centres.len()];
-        for (cell, (&b, &p)) in home.iter().zip(&centres).enumerate() {
-            points[next[b] as usize] = (cell as u32, p);
+        let mut points = vec![(0, 0.0, [0.0; 3]); centres.len()];
+        for (&b, &sample) in home.iter().zip(centres) {
+            points[next[b] as usize] = sample;
             next[b] += 1;
         }
         this.ends = ends;
@@ -101,15 +108,20 @@ impl Buckets {
         self.index(0, p[0]) + self.counts[0] * (self.index(1, p[1]) + self.counts[1] * self.index(2, p[2]))
     }
 
-    fn for_each(&self, low: [f64; 3], high: [f64; 3], mut visit: impl FnMut(u32, [f64; 3])) {
-        let span = |axis: usize| self.index(axis, low[axis])..=self.index(axis, high[axis]);
+    fn for_each(&self, low: [f64; 3], high: [f64; 3], mut visit: impl FnMut(u32, f64, [f64; 3])) {
+        let span = |axis: usize| {
+            if self.averaged[axis] {
+                return 0..=self.counts[axis] - 1;
+            }
+            self.index(axis, low[axis])..=self.index(axis, high[axis])
+        };
         for k in span(2) {
             for j in span(1) {
                 for i in span(0) {
                     let b = i + self.counts[0] * (j + self.counts[1] * k);
-                    for &(cell, p) in &self.points[self.ends[b] as usize..self.ends[b + 1] as usize] {
-                        if (0..3).all(|a| p[a] >= low[a] && p[a] <= high[a]) {
-                            visit(cell, p);
+                    for &(cell, share, p) in &self.points[self.ends[b] as usize..self.ends[b + 1] as usize] {
+                        if (0..3).all(|a| self.averaged[a] || (p[a] >= low[a] && p[a] <= high[a])) {
+                            visit(cell, share, p);
                         }
                     }
                 }

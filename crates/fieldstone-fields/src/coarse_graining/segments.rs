@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Cells as signed convex parts, each a set of planes: what a segment is clipped by.
 pub(super) struct Segments<'a, C: Cells> {
     cells: &'a C,
-    /// Signed parts of each cell; none where the cells are those of a grid.
+    /// Signed parts of each cell; none where the cells clip segments themselves.
     parts: Vec<Vec<(f64, Planes)>>,
 }
 
@@ -16,7 +16,8 @@ type Planes = Vec<([f64; 3], f64)>;
 
 impl<'a, C: Cells> Segments<'a, C> {
     pub fn new(cells: &'a C) -> Self {
-        let parts = if cells.as_grid().is_some() {
+        let clips = cells.clip_segment([0.0; 3], [0.0; 3], &mut |_, _| ());
+        let parts = if clips {
             Vec::new()
         } else {
             (0..cells.cell_count())
@@ -53,32 +54,7 @@ impl<'a, C: Cells> Segments<'a, C> {
         }
         let low: [f64; 3] = std::array::from_fn(|k| start[k] + along[k].min(0.0));
         let high: [f64; 3] = std::array::from_fn(|k| start[k] + along[k].max(0.0));
-        if let Some(grid) = self.cells.as_grid() {
-            // A plane that the segment lies in belongs to the cells above it, as for points.
-            let spans: [[usize; 2]; 3] = std::array::from_fn(|k| {
-                let [first, last] = grid.span(k, low[k], high[k].next_up());
-                [first, last.max(first)]
-            });
-            for k in spans[2][0]..spans[2][1] {
-                for j in spans[1][0]..spans[1][1] {
-                    for i in spans[0][0]..spans[0][1] {
-                        let at = [i, j, k];
-                        let (mut from, mut to) = (0.0f64, 1.0f64);
-                        for axis in 0..3 {
-                            if along[axis] == 0.0 {
-                                continue;
-                            }
-                            let a = (grid.plane(axis, at[axis]) - start[axis]) / along[axis];
-                            let b = (grid.plane(axis, at[axis] + 1) - start[axis]) / along[axis];
-                            from = from.max(a.min(b));
-                            to = to.min(a.max(b));
-                        }
-                        if to > from {
-                            emit(grid.cell_at(at) as u32, to - from);
-                        }
-                    }
-                }
-            }
+        if self.cells.clip_segment(start, along, &mut emit) {
             return;
         }
         self.cells.for_each_candidate(low, high, &mut |cell| {

@@ -28,7 +28,12 @@ impl<'a> Sampling<'a> {
         let (low, high) = cells.bounds();
         let share = (0..3).filter(|&k| averaged[k]).map(|k| 1.0 / (high[k] - low[k])).product();
         let dimensions = averaged.iter().filter(|a| !**a).count();
-        Self { places: Places::new(cells), kernel: kernel.in_dimensions(dimensions), averaged, share }
+        Self {
+            places: Places::new(cells, 0.2 * kernel.width()),
+            kernel: kernel.in_dimensions(dimensions),
+            averaged,
+            share,
+        }
     }
 
     pub fn reach(&self) -> f64 {
@@ -44,11 +49,11 @@ impl<'a> Sampling<'a> {
     /// Pairs (cell, φ) of a point.
     pub fn point(&self, at: [f64; 3], mut emit: impl FnMut(u32, f64)) {
         let c = self.kernel.reach();
-        self.places.for_each(at.map(|x| x - c), at.map(|x| x + c), |cell, centre| {
+        self.places.for_each(at.map(|x| x - c), at.map(|x| x + c), |cell, share, centre| {
             let d = self.resolved([centre[0] - at[0], centre[1] - at[1], centre[2] - at[2]]);
             let value = self.kernel.value(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
             if value > 0.0 {
-                emit(cell, value * self.share);
+                emit(cell, value * self.share * share);
             }
         });
     }
@@ -59,11 +64,11 @@ impl<'a> Sampling<'a> {
         let kernel = self.kernel.branch(self.resolved(branch));
         let low = std::array::from_fn(|k| start[k] + branch[k].min(0.0) - c);
         let high = std::array::from_fn(|k| start[k] + branch[k].max(0.0) + c);
-        self.places.for_each(low, high, |cell, centre| {
+        self.places.for_each(low, high, |cell, share, centre| {
             let x = self.resolved([centre[0] - start[0], centre[1] - start[1], centre[2] - start[2]]);
             let value = kernel.at(x);
             if value > 0.0 {
-                emit(cell, value * self.share);
+                emit(cell, value * self.share * share);
             }
         });
     }
