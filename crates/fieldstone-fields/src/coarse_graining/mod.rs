@@ -404,17 +404,16 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             time: self.time,
             sign: self.options.sign,
         };
-        let fields = densities.fields(&self.options.fields, &self.options.quantities);
+        let (fields, binned) = densities.fields(&self.options.fields, &self.options.quantities);
         let mean = |sum: &NeumaierSum| sum.value() / self.time;
-        let [mass_binned] = densities.total::<1>(Column::Mass);
         let ledger = CoarseGrainingLedger {
             mass_in: mean(&self.totals.mass),
-            mass_binned,
+            mass_binned: binned.mass,
             mass_clipped: mean(&self.totals.clipped),
             momentum_in: std::array::from_fn(|k| mean(&self.totals.momentum[k])),
-            momentum_binned: densities.total(Column::Momentum),
+            momentum_binned: binned.momentum,
             stress_sum_contacts: std::array::from_fn(|k| mean(&self.totals.stress[k])),
-            stress_sum_fields: densities.total(Column::Stress),
+            stress_sum_fields: binned.stress,
             ..self.ledger
         };
         Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })

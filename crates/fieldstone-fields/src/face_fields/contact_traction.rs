@@ -49,7 +49,7 @@ pub struct ContactTraction {
 /// # Errors
 /// A contact of a particle that there is not.
 ///
-/// Source: derived here, after the definition of stress by `cauchy1828`: the force across a plane.
+/// Source: derived here; the force across a surface is what Cauchy defined stress by.
 ///
 /// ```
 /// use fieldstone_fields::contact_traction;
