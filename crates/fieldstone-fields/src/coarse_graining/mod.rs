@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
-use crate::{FieldsError, Method, NeumaierSum};
+use crate::{FieldsError, NeumaierSum};
 
 use crate::periodic::Periods;
 use derive::Densities;
@@ -112,11 +112,12 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     /// Options out of range or that do not go together.
     pub fn new(cells: &'a C, options: CoarseGrainingOptions) -> Result<Self, FieldsError> {
         options.validate()?;
-        let planar = matches!(options.function, Function::Overlap(Method::Decomposition | Method::Cube))
-            || options.fields.contains(&FieldName::MomentumWithSpin);
-        if planar && !cells.is_polyhedral() {
+        if let Function::Overlap(method) = options.function {
+            Binning::check(cells, method)?;
+        }
+        if options.fields.contains(&FieldName::MomentumWithSpin) && !cells.is_polyhedral() {
             return Err(FieldsError::Combination {
-                what: "round cells have no planar faces: choose the exact kernel, and leave out the momentum with spin",
+                what: "the momentum of spinning spheres needs cells with planar faces; leave it out on round ones",
             });
         }
         let layout = Layout::new(&options);
