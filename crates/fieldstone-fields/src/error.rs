@@ -107,4 +107,59 @@ pub enum FieldsError {
         /// Longest length that is accepted on this mesh.
         longest: f64,
     },
+    /// A kernel's name is not known.
+    #[error("there is no kernel '{0}'; choose one of gauss, lucy, heaviside, linear")]
+    UnknownKernel(String),
+    /// A field's name is not known.
+    #[error("there is no field '{name}'; choose standard, binning, all, or a list of: {known}")]
+    UnknownField {
+        /// Name asked for.
+        name: String,
+        /// Names that there are.
+        known: String,
+    },
+    /// Two fields would have the same name, or one has none.
+    #[error("the name '{0}' of a quantity is empty or that of another field; give each its own name")]
+    DuplicateField(String),
+    /// Options that do not go together.
+    #[error("{what}")]
+    Combination {
+        /// What does not go together, and what to choose.
+        what: &'static str,
+    },
+    /// A column has another number of components than its meaning needs.
+    #[error("column '{name}' has {found} components per particle; {expected} are needed")]
+    Components {
+        /// Name of the column.
+        name: String,
+        /// Components found.
+        found: usize,
+        /// Components needed.
+        expected: usize,
+    },
+    /// Neither masses nor densities are known.
+    #[error(
+        "the particles have neither a column 'mass' nor 'density' (they have: {available}); give a density for all of them (--density)"
+    )]
+    NoMass {
+        /// Columns that there are.
+        available: String,
+    },
+    /// A mass is not usable.
+    #[error("particle {particle} has mass {value:?}; masses must be positive and finite")]
+    Mass {
+        /// Index of the particle, from 0.
+        particle: usize,
+        /// Its mass.
+        value: f64,
+    },
+    /// Particles are to be selected by type, but have none.
+    #[error("the particles have no types to select by; give a file with a type or species column")]
+    NoTypes,
+    /// Fields of contacts were asked for without contacts.
+    #[error("field '{0}' needs contacts; give a file of them (--contacts), or leave the field out")]
+    NoContacts(&'static str),
+    /// No frame was given, or none with a weight.
+    #[error("no frame was given, or all of them have weight 0")]
+    NoFrames,
 }

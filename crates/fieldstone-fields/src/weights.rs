@@ -6,6 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
 use crate::binning::Binning;
+use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, Method};
 
 /// Particles handled by one task: large enough to hide its cost, small enough to balance.
@@ -130,19 +131,38 @@ impl Weights {
             end += *entry;
             *entry = end;
         }
-        let (mut all_cells, mut volumes) = (vec![0; end], vec![0.0; end]);
-        for (particles, block) in order.chunks(BLOCK).zip(blocks) {
-            let mut pairs = &block.pairs[..];
+        let mut rows = vec![(0u32, 0u32); positions.len()];
+        for (index, (particles, block)) in order.chunks(BLOCK).zip(&blocks).enumerate() {
+            let mut start = 0;
             for (&particle, &count) in particles.iter().zip(&block.counts) {
-                let (row, rest) = pairs.split_at(count);
-                pairs = rest;
-                let start = ends[particle] - count;
-                for (k, &(cell, volume)) in row.iter().enumerate() {
-                    all_cells[start + k] = cell;
-                    volumes[start + k] = volume;
-                }
+                rows[particle] = (index as u32, start);
+                start += count as u32;
             }
         }
+        let (mut all_cells, mut volumes) = (vec![0; end], vec![0.0; end]);
+        // Rows are copied to where they belong in parallel: each task has its own part of the result.
+        let mut parts = Vec::with_capacity(blocks.len());
+        let (mut cells_left, mut volumes_left) = (&mut all_cells[..], &mut volumes[..]);
+        let mut start = 0;
+        for ends in ends.chunks(BLOCK) {
+            let stop = ends[ends.len() - 1];
+            let (cells, more_cells) = cells_left.split_at_mut(stop - start);
+            let (volumes, more_volumes) = volumes_left.split_at_mut(stop - start);
+            (cells_left, volumes_left) = (more_cells, more_volumes);
+            parts.push((start, ends, cells, volumes));
+            start = stop;
+        }
+        parts.into_par_iter().zip(rows.par_chunks(BLOCK)).for_each(|((start, ends, cells, volumes), rows)| {
+            let mut from = 0;
+            for (&end, &(block, first)) in ends.iter().zip(rows) {
+                let to = end - start;
+                let row = &blocks[block as usize].pairs[first as usize..][..to - from];
+                for ((cell, volume), pair) in cells[from..to].iter_mut().zip(&mut volumes[from..to]).zip(row) {
+                    (*cell, *volume) = *pair;
+                }
+                from = to;
+            }
+        });
         Ok(Self { ends, cells: all_cells, volumes, balls, outside, cell_count: cells.cell_count(), paths })
     }
 
@@ -203,28 +223,20 @@ impl Weights {
     /// [`FieldsError::Length`] unless there is one value per particle.
     pub fn sum_over_particles(&self, values: &[f64]) -> Result<Vec<f64>, FieldsError> {
         check_length("particles", values.len(), self.particles())?;
-        // Transposed by a counting sort, so that each cell adds its particles in rising order on one thread.
-        let mut ends = vec![0usize; self.cell_count + 1];
-        for &cell in &self.cells {
-            ends[cell as usize + 1] += 1;
-        }
-        for cell in 0..self.cell_count {
-            ends[cell + 1] += ends[cell];
-        }
-        let mut next = ends.clone();
-        let mut terms = vec![0.0; self.cells.len()];
-        let mut start = 0;
-        for (&end, &value) in self.ends.iter().zip(values) {
-            for (&cell, &volume) in self.cells[start..end].iter().zip(&self.volumes[start..end]) {
-                let at = &mut next[cell as usize];
-                terms[*at] = volume * value;
-                *at += 1;
-            }
-            start = end;
-        }
-        // Not `sum`: that of no terms is -0, which files would show.
-        let total = |cell: usize| terms[ends[cell]..ends[cell + 1]].iter().fold(0.0, |sum, term| sum + term);
-        Ok((0..self.cell_count).into_par_iter().map(total).collect())
+        // Each cell adds its particles in rising order, on one thread.
+        let mut sums = Sums::new(self.cell_count, 1);
+        sums.add(
+            &Order::Numbered(self.particles()),
+            values,
+            || (),
+            |particle, (), out| {
+                let (cells, volumes) = self.row(particle);
+                let pair = |(&cell, &weight)| Pair { cell, carrier: particle as u32, weight };
+                out.extend(cells.iter().zip(volumes).map(pair));
+                Ok(())
+            },
+        )?;
+        Ok(sums.values)
     }
 
     /// For each particle the average of a cell field over the part of the particle that lies in cells.
@@ -259,7 +271,7 @@ pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) ->
 /// is beyond the caches: in the order of the list every ball would wait for memory.
 ///
 /// The order is Morton's curve through 1024³ boxes around all particles, equal boxes by number.
-fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
+pub(crate) fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions {
         for k in 0..3 {

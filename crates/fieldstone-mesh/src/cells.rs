@@ -44,6 +44,19 @@ pub trait Cells: Sync {
     /// Volume of a cell.
     fn cell_volume(&self, cell: usize) -> f64;
 
+    /// Centre of a cell: its centroid, or for a round cell the point in the middle of its coordinates.
+    fn cell_centre(&self, cell: usize) -> [f64; 3];
+
+    /// Directions in which every cell spans the whole extent, and fields are averages (see [`crate::Grid::averaged`]).
+    fn averaged(&self) -> [bool; 3] {
+        [false; 3]
+    }
+
+    /// The Cartesian grid whose cells these are, where they are; centres are then found by arithmetic.
+    fn as_grid(&self) -> Option<&crate::Grid> {
+        None
+    }
+
     /// Lower and upper corner of the box around all cells.
     fn bounds(&self) -> ([f64; 3], [f64; 3]);
 
@@ -66,4 +79,23 @@ pub trait Cells: Sync {
     /// A cell as a signed sum of elements of standard kinds with planar faces, corners in CGNS order: the cell
     /// itself where it is one, else tetrahedra.
     fn for_each_element(&self, cell: usize, visit: &mut ElementSink<'_>);
+
+    /// Calls `visit` with the points that stand for a cell where kernels are evaluated, no farther apart than `spacing`,
+    /// and with the share of each: the centre alone, unless the cell is an average around a circle.
+    fn for_each_sample(&self, cell: usize, spacing: f64, visit: &mut dyn FnMut([f64; 3], f64)) {
+        let _ = spacing;
+        visit(self.cell_centre(cell), 1.0);
+    }
+
+    /// Whether [`Cells::for_each_element`] and [`Cells::overlap_cuboid`] mean anything: not for round cells.
+    fn is_polyhedral(&self) -> bool {
+        true
+    }
+
+    /// Calls `visit` with the cells that the segment passes and the fraction of its length in each, where the cells have
+    /// a way of their own to find them; `false` where they have not.
+    fn clip_segment(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) -> bool {
+        let _ = (start, along, visit);
+        false
+    }
 }

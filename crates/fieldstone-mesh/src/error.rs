@@ -127,4 +127,21 @@ pub enum MeshError {
         /// Cells.
         cells: usize,
     },
+    /// A set of coordinates that no grid resolves.
+    #[error("there are no coordinates '{0}'; choose one of O (all averaged), X, Y, Z, XY, XZ, YZ, XYZ")]
+    UnknownCoordinates(String),
+    /// A cylindrical grid is not usable.
+    #[error(
+        "the cylindrical grid has axis {axis}, radii {radii:?}, heights {heights:?} and {cells:?} cells along radius, angle and height; give an axis of 0 to 2, finite rising radii from 0 on, finite rising heights, and at least 1 cell along each"
+    )]
+    Cylinder {
+        /// Direction of the axis.
+        axis: usize,
+        /// Inner and outer radius.
+        radii: [f64; 2],
+        /// Lower and upper end.
+        heights: [f64; 2],
+        /// Cells along radius, angle and height.
+        cells: [usize; 3],
+    },
 }

@@ -3,7 +3,7 @@
 use fieldstone_geometry::{Ball, ElementKind, PROMISE, Polyhedron, corner_volume, overlap_volume};
 
 use crate::cells::ElementSink;
-use crate::{Cells, MeshError, PathCounts};
+use crate::{Cells, Coordinates, MeshError, PathCounts};
 
 /// A grid of equal boxes; cells are numbered with x fastest.
 ///
@@ -23,6 +23,7 @@ pub struct Grid {
     low: [f64; 3],
     high: [f64; 3],
     cells: [usize; 3],
+    averaged: [bool; 3],
 }
 
 /// Rounding error of the eightfold difference of [`corner_volume`], relative to r³.
@@ -54,7 +55,33 @@ impl Grid {
         if count >= u32::MAX as usize {
             return Err(MeshError::TooLarge { what: "cells", count });
         }
-        Ok(Self { low, high, cells })
+        Ok(Self { low, high, cells, averaged: [false; 3] })
+    }
+
+    /// A grid that resolves the marked directions only; the others have one cell over the whole extent.
+    ///
+    /// Kernels are integrated along an averaged direction and divided by the extent, whatever lies beyond it; exact
+    /// overlaps are with the cell itself.
+    ///
+    /// # Errors
+    /// As [`Grid::new`]; the numbers of cells along averaged directions are not looked at.
+    ///
+    /// ```
+    /// use fieldstone_mesh::{Cells, Grid};
+    /// // A profile over depth.
+    /// let grid = Grid::resolving([0.0; 3], [4.0, 4.0, 2.0], [1, 1, 20], "Z".parse::<fieldstone_mesh::Coordinates>()?)?;
+    /// assert_eq!((grid.cell_count(), grid.averaged()), (20, [true, true, false]));
+    /// # Ok::<(), fieldstone_mesh::MeshError>(())
+    /// ```
+    pub fn resolving(
+        low: [f64; 3],
+        high: [f64; 3],
+        cells: [usize; 3],
+        coordinates: Coordinates,
+    ) -> Result<Self, MeshError> {
+        let averaged = coordinates.resolved().map(|r| !r);
+        let cells = std::array::from_fn(|k| if averaged[k] { 1 } else { cells[k] });
+        Ok(Self { averaged, ..Self::new(low, high, cells)? })
     }
 
     /// Lower corner.
@@ -110,7 +137,7 @@ impl Grid {
     }
 
     /// Cells along `axis` that an open interval meets, as a half-open range.
-    fn span(&self, axis: usize, low: f64, high: f64) -> [usize; 2] {
+    pub fn span(&self, axis: usize, low: f64, high: f64) -> [usize; 2] {
         let count = self.cells[axis];
         let index = |x: f64| {
             let t = (x - self.low[axis]) / (self.high[axis] - self.low[axis]) * count as f64;
@@ -159,6 +186,18 @@ impl Cells for Grid {
     fn cell_volume(&self, cell: usize) -> f64 {
         let (low, high) = self.cell_bounds(cell);
         (0..3).map(|k| high[k] - low[k]).product()
+    }
+
+    fn cell_centre(&self, cell: usize) -> [f64; 3] {
+        self.centre(cell)
+    }
+
+    fn averaged(&self) -> [bool; 3] {
+        self.averaged
+    }
+
+    fn as_grid(&self) -> Option<&Grid> {
+        Some(self)
     }
 
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
@@ -282,6 +321,36 @@ impl Cells for Grid {
         let order = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let corners = order.map(|at: [usize; 3]| [0, 1, 2].map(|k| sides[k][at[k]]));
         visit(1.0, ElementKind::Hexahedron, &corners);
+    }
+
+    fn clip_segment(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) -> bool {
+        // A plane that the segment lies in belongs to the cells above it, as for points.
+        let spans: [[usize; 2]; 3] = std::array::from_fn(|k| {
+            let (low, high) = (start[k] + along[k].min(0.0), start[k] + along[k].max(0.0));
+            let [first, last] = self.span(k, low, high.next_up());
+            [first, last.max(first)]
+        });
+        for k in spans[2][0]..spans[2][1] {
+            for j in spans[1][0]..spans[1][1] {
+                for i in spans[0][0]..spans[0][1] {
+                    let at = [i, j, k];
+                    let (mut from, mut to) = (0.0f64, 1.0f64);
+                    for axis in 0..3 {
+                        if along[axis] == 0.0 {
+                            continue;
+                        }
+                        let a = (self.plane(axis, at[axis]) - start[axis]) / along[axis];
+                        let b = (self.plane(axis, at[axis] + 1) - start[axis]) / along[axis];
+                        from = from.max(a.min(b));
+                        to = to.min(a.max(b));
+                    }
+                    if to > from {
+                        visit(self.cell_at(at) as u32, to - from);
+                    }
+                }
+            }
+        }
+        true
     }
 }
 

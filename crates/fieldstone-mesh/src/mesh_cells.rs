@@ -29,6 +29,10 @@ impl Cells for Mesh {
         self.cell_volumes()[cell]
     }
 
+    fn cell_centre(&self, cell: usize) -> [f64; 3] {
+        self.centres[cell].to_array()
+    }
+
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         let [low, high] = self
             .bounds

@@ -1,0 +1,219 @@
+//! One frame made ready: masses, velocities and what else the fields need, or why there are none.
+
+use std::f64::consts::PI;
+
+use fieldstone_particles::{Contact, Contacts, Particles, Partner};
+use rayon::prelude::*;
+
+use super::layout::{Column, Layout};
+use super::options::{CoarseGrainingOptions, QuantityKind, Selection, component_of};
+use crate::FieldsError;
+
+/// Columns of which each has one number per particle, this far apart.
+type Strided<'a> = Vec<(&'a [f64], usize)>;
+
+/// Columns of a particle set that fields are made of.
+pub(super) struct Frame<'a> {
+    pub positions: &'a [[f64; 3]],
+    pub radii: &'a [f64],
+    pub volumes: Vec<f64>,
+    pub masses: Vec<f64>,
+    pub velocities: Option<&'a [f64]>,
+    pub spins: Option<&'a [f64]>,
+    pub displacements: Option<&'a [f64]>,
+    /// Columns of each of the user's quantities: from their component on, and how far apart particles are.
+    pub user: Vec<(QuantityKind, Strided<'a>)>,
+    pub selected: Vec<bool>,
+}
+
+impl<'a> Frame<'a> {
+    pub fn new(
+        particles: &'a Particles,
+        options: &CoarseGrainingOptions,
+        layout: &Layout,
+    ) -> Result<Self, FieldsError> {
+        use Column::*;
+        let radii = particles.radii()?;
+        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
+            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
+        }
+        let volumes: Vec<f64> = radii.par_iter().map(|r| 4.0 / 3.0 * PI * r * r * r).collect();
+        let vector = |name: &'static str, needed: bool| -> Result<Option<&'a [f64]>, FieldsError> {
+            match column(particles, name, 3) {
+                Ok(data) => Ok(Some(data)),
+                Err(reason) if needed => Err(reason),
+                Err(_) => Ok(None),
+            }
+        };
+        let moves = [Momentum, MomentumFlux, KineticEnergy, KineticEnergyFlux, ContactEnergy, AngularMomentum];
+        let spins = [Spin, SpinMomentum];
+        let travels = [MassDisplacement, MassDisplacementPosition];
+        let user = (options.quantities.iter())
+            .map(|quantity| {
+                let one = |column: &String| {
+                    let whole = particles.quantity(column);
+                    let (name, component) = match (&whole, component_of(column)) {
+                        (Err(_), Some((name, component))) => (name, Some(component)),
+                        _ => (column.as_str(), None),
+                    };
+                    let found = particles.quantity(name)?;
+                    finite(name, &found.data, found.components)?;
+                    match component {
+                        Some(k) if k < found.components => {
+                            Ok((found.data.get(k..).unwrap_or_default(), found.components))
+                        }
+                        None if found.components == 1 => Ok((&found.data[..], 1)),
+                        _ => Err(FieldsError::Components {
+                            name: column.clone(),
+                            found: found.components,
+                            expected: component.map_or(1, |k| k + 1),
+                        }),
+                    }
+                };
+                Ok((quantity.kind, quantity.columns.iter().map(one).collect::<Result<Strided<'a>, FieldsError>>()?))
+            })
+            .collect::<Result<Vec<_>, FieldsError>>()?;
+        Ok(Self {
+            positions: particles.positions(),
+            radii,
+            masses: masses(particles, &volumes, options.particle_density)?,
+            volumes,
+            velocities: vector("velocity", layout.any(&moves))?,
+            spins: vector("angular_velocity", layout.any(&spins))?,
+            displacements: vector("displacement", layout.any(&travels))?,
+            user,
+            selected: select(particles, radii, &options.selection)?,
+        })
+    }
+
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    pub fn velocity(&self, particle: usize) -> [f64; 3] {
+        vector_of(self.velocities, particle)
+    }
+
+    pub fn spin(&self, particle: usize) -> [f64; 3] {
+        vector_of(self.spins, particle)
+    }
+
+    pub fn displacement(&self, particle: usize) -> [f64; 3] {
+        vector_of(self.displacements, particle)
+    }
+
+    /// Moment of inertia of a solid sphere.
+    pub fn inertia(&self, particle: usize) -> f64 {
+        0.4 * self.masses[particle] * self.radii[particle] * self.radii[particle]
+    }
+
+    /// The contacts as the selected particles see them: pairs among them, and boundary contacts of one of them.
+    ///
+    /// A partner that is not selected is a boundary, and its opposite side is nobody's.
+    pub fn side(&self, contact: Contact) -> Option<Contact> {
+        let selected = |particle: u32| self.selected[particle as usize];
+        match contact.partner {
+            Partner::Wall(_) => selected(contact.particle).then_some(contact),
+            Partner::Particle(other) => match (selected(contact.particle), selected(other)) {
+                (true, true) => Some(contact),
+                (true, false) => {
+                    Some(Contact { partner: Partner::Wall(i64::from(other)), branch: contact.arm, ..contact })
+                }
+                (false, true) => Some(Contact {
+                    particle: other,
+                    partner: Partner::Wall(i64::from(contact.particle)),
+                    force: contact.force.map(|f| -f),
+                    arm: contact.partner_arm(),
+                    branch: contact.partner_arm(),
+                }),
+                (false, false) => None,
+            },
+        }
+    }
+
+    /// All contacts as [`Frame::side`] sees them.
+    pub fn sides(&self, contacts: &Contacts) -> Result<Vec<Contact>, FieldsError> {
+        let count = self.len();
+        let sides: Vec<Contact> = contacts
+            .iter()
+            .enumerate()
+            .map(|(index, contact)| {
+                let other = match contact.partner {
+                    Partner::Particle(other) => other,
+                    Partner::Wall(_) => contact.particle,
+                };
+                let particle = contact.particle.max(other);
+                if particle as usize >= count {
+                    let unknown = fieldstone_particles::ParticlesError::UnknownParticle {
+                        index,
+                        particle,
+                        particle_count: count,
+                    };
+                    return Err(FieldsError::Particles(unknown));
+                }
+                Ok(self.side(contact))
+            })
+            .filter_map(Result::transpose)
+            .collect::<Result<_, _>>()?;
+        Ok(sides)
+    }
+}
+
+fn vector_of(column: Option<&[f64]>, particle: usize) -> [f64; 3] {
+    column.map_or([0.0; 3], |v| [v[3 * particle], v[3 * particle + 1], v[3 * particle + 2]])
+}
+
+fn column<'a>(particles: &'a Particles, name: &str, components: usize) -> Result<&'a [f64], FieldsError> {
+    let found = particles.quantity(name)?;
+    if found.components != components {
+        return Err(FieldsError::Components { name: name.into(), found: found.components, expected: components });
+    }
+    finite(name, &found.data, components)?;
+    Ok(&found.data)
+}
+
+fn finite(name: &str, data: &[f64], components: usize) -> Result<(), FieldsError> {
+    match data.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(at) => Err(FieldsError::Particles(fieldstone_particles::ParticlesError::NotFinite {
+            index: at / components,
+            what: name.into(),
+            value: data[at],
+        })),
+    }
+}
+
+/// Mass of each particle: its own column, else density × volume.
+fn masses(particles: &Particles, volumes: &[f64], density: Option<f64>) -> Result<Vec<f64>, FieldsError> {
+    let masses = if let Some(density) = density {
+        volumes.iter().map(|v| v * density).collect()
+    } else if let Ok(masses) = column(particles, "mass", 1) {
+        masses.to_vec()
+    } else if let Ok(densities) = column(particles, "density", 1) {
+        volumes.iter().zip(densities).map(|(v, d)| v * d).collect()
+    } else {
+        return Err(FieldsError::NoMass {
+            available: particles.quantities().iter().map(|q| q.name.as_str()).collect::<Vec<_>>().join(", "),
+        });
+    };
+    match masses.iter().position(|m: &f64| !(m.is_finite() && *m > 0.0)) {
+        None => Ok(masses),
+        Some(particle) => Err(FieldsError::Mass { particle, value: masses[particle] }),
+    }
+}
+
+fn select(particles: &Particles, radii: &[f64], selection: &Selection) -> Result<Vec<bool>, FieldsError> {
+    let mut selected = vec![true; particles.len()];
+    if let Some(wanted) = &selection.types {
+        let types = particles.types().ok_or(FieldsError::NoTypes)?;
+        selected.iter_mut().zip(types).for_each(|(s, t)| *s &= wanted.contains(t));
+    }
+    if let Some([least, most]) = selection.radii {
+        selected.iter_mut().zip(radii).for_each(|(s, r)| *s &= (least..=most).contains(r));
+    }
+    if let Some([low, high]) = selection.region {
+        let inside = |p: &[f64; 3]| (0..3).all(|k| p[k] >= low[k] && p[k] <= high[k]);
+        selected.iter_mut().zip(particles.positions()).for_each(|(s, p)| *s &= inside(p));
+    }
+    Ok(selected)
+}
