@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 
 /// Squares per edge of a cube's face: 6 × 6² = 216 squares in all, so a set of them is four words. More squares decide
-/// more particles at once, but cost more memory traffic on all: 384 were no faster on any block tried.
+/// more particles at once, but cost more memory traffic on all: 384 were slower on disordered blocks.
 const DIVISIONS: usize = 6;
 
 /// 64-bit words of a set of squares.
