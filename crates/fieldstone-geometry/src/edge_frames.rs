@@ -88,7 +88,7 @@ impl EdgeFrames {
             }
         }
         uses.sort_unstable();
-        if uses.len() % 2 != 0 || uses.len() > 2 * MOST_EDGES {
+        if !uses.len().is_multiple_of(2) || uses.len() > 2 * MOST_EDGES {
             return None;
         }
         for pair in uses.chunks_exact(2) {
