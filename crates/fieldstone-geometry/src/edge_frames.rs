@@ -33,12 +33,16 @@ pub(crate) struct Plane {
 pub(crate) struct Edge {
     /// Unit vector along it.
     pub along: [f64; 3],
-    /// Where it starts: its first corner along `along`.
-    pub start: f64,
+    /// Its two corners, `along` from the first to the second.
+    pub ends: [[f64; 3]; 2],
     /// Its length.
     pub length: f64,
     /// Where it lies in the planes of its pieces.
     pub sides: [Side; 2],
+    /// Unit normal of the first piece.
+    pub normal: [f64; 3],
+    /// Normal and outward vector of the second piece in terms of those of the first.
+    pub rotation: [[f64; 2]; 2],
 }
 
 /// An edge as a side of one piece.
@@ -60,6 +64,8 @@ pub(crate) struct Side {
 pub(crate) struct EdgeFrames {
     pub planes: Vec<Plane>,
     pub edges: Vec<Edge>,
+    /// The largest flatness of a piece.
+    pub flatness: f64,
 }
 
 impl EdgeFrames {
@@ -75,6 +81,7 @@ impl EdgeFrames {
             if index == MOST_PIECES || corners.len() > MOST_CORNERS || !(0..corners.len()).all(turns_left) {
                 return None;
             }
+            this.flatness = this.flatness.max(piece.flatness);
             this.planes.push(Plane {
                 normal: piece.normal.to_array(),
                 offset: piece.normal.dot(at(0)),
@@ -109,7 +116,16 @@ impl EdgeFrames {
             for side in &sides {
                 this.planes[side.piece as usize].edges |= 1 << this.edges.len();
             }
-            this.edges.push(Edge { along: along.to_array(), start: along.dot(from), length, sides });
+            let axes = |side: &Side| [DVec3::from(this.planes[side.piece as usize].normal), DVec3::from(side.outward)];
+            let first = axes(&sides[0]);
+            this.edges.push(Edge {
+                along: along.to_array(),
+                ends: [from.to_array(), to.to_array()],
+                length,
+                normal: first[0].to_array(),
+                rotation: axes(&sides[1]).map(|axis| first.map(|other| axis.dot(other))),
+                sides,
+            });
         }
         Some(this)
     }

@@ -8,18 +8,12 @@ use crate::edge_frames::{EdgeFrames, MOST_PIECES};
 use crate::lanes::{Lanes, PlacedBalls, Register, Single, sums_inside};
 use crate::{Ball, PROMISE, Polyhedron};
 
-/// Rounding error of the volume in units of ε ρ r³ / δ, beyond what [`crate::ErrorBound`] counts, with ρ the distance of the
-/// farthest corner, which the rounding of distances grows with, and δ that of the nearest edge from the centre, or of a
-/// corner from the centre's foot, where angles lose 1/δ.
+/// Rounding error of the volume in units of ε κ r³ / δ, beyond what [`crate::ErrorBound`] counts, with δ the distance of a corner
+/// from the centre's foot, where angles lose 1/δ, and κ the largest flatness of a face.
 const NEAR_ROUNDING: f64 = 8.0;
 
-/// How near the centre may be to an edge, and its foot on a plane to a corner, relative to the distance of the farthest corner.
-///
-/// By the rounding above this keeps the error to some ε r³. Nearer ones, about 1 % of all pairs, take the slow way.
+/// How near the foot may be to a corner, in radii. Nearer ones, some 0.1 % of all pairs, take the slow way.
 const NEAR: f64 = 1.0 / 64.0;
-
-/// As [`NEAR`], in radii, for elements far larger than the ball: the slow way is no better there.
-const NEAR_IN_RADII: f64 = 0.25;
 
 /// Margin of decisions on squared distances, as in [`crate::overlap::placement`].
 const MARGIN: f64 = 8.0 * f64::EPSILON;
@@ -284,7 +278,9 @@ fn volumes_of<L: Lanes, const N: usize>(
         return result;
     }
     let scale = one / radius;
-    let balls = PlacedBalls { centre, scale };
+    let reach = far2.sqrt() * scale;
+    let resolution = radius.like(16.0 * f64::EPSILON * frames.flatness) * reach;
+    let balls = PlacedBalls { centre, scale, resolution };
     let sums = sums_inside::<L, N>(frames, element.is_convex(), &balls);
     let r3 = r2 * radius;
     let ball_volume = r3 * radius.like(4.0 / 3.0 * PI);
@@ -293,13 +289,11 @@ fn volumes_of<L: Lanes, const N: usize>(
     let untouched = L::select(sums.centre_inside, smaller, zero);
     let volume = L::select(sums.touched, volume, untouched);
     let volume = L::select(sums.apart, zero, volume);
-    let reach = far2.sqrt() * scale;
-    let near = radius.like(NEAR_ROUNDING) / sums.nearest2.sqrt();
-    let sensitivity = reach.mul_add(radius.like(4.0).mul_add(sums.sensitivity, near), radius.like(8.0));
+    let near = radius.like(NEAR_ROUNDING * frames.flatness) / sums.nearest2.sqrt() + radius.like(8.0);
+    let sensitivity = (radius.like(4.0) * reach).mul_add(sums.sensitivity, near);
     let error = radius.like(f64::EPSILON).mul_add(sensitivity, sums.warped_area) * r3;
     let error = L::select(sums.apart, zero, error);
-    let too_near = (radius.like(NEAR) * reach).min(radius.like(NEAR_IN_RADII));
-    let doubtful = sums.nearest2.less(too_near * too_near) & !sums.apart;
+    let doubtful = sums.nearest2.less(radius.like(NEAR * NEAR)) & !sums.apart;
     let error = L::select(doubtful, radius.like(f64::INFINITY), error);
     result.volume = L::select(settled, result.volume, volume);
     result.error = L::select(settled, result.error, error);

@@ -113,13 +113,24 @@ fn the_bound_of_a_needle_face_without_area_inside_is_a_number() {
 
 #[test]
 fn the_bound_holds_for_a_small_ball_whose_centre_is_near_a_corner() {
-    // Found by the test below: distances are rounded by the element's size, and angles at the corner magnify that.
-    let random = &mut Random(174_055);
+    // Found by the test below: angles at the corner magnify the rounding of distances, and of the normals of flat faces.
+    for seed in [174_055, 8_595] {
+        let random = &mut Random(seed);
+        let element = element(random).unwrap();
+        let ball = ball(&element, random).unwrap();
+        let exact = overlap_in(&ball, &element, Precision::DoubleDouble).overlap.volume;
+        let (volume, bound) = fast_overlap_volume(&ball, &element);
+        assert!((volume - exact).abs() < 0.2 * bound && bound < PROMISE * ball.volume());
+    }
+}
+
+#[test]
+fn a_ball_in_an_element_without_thickness_has_next_to_no_volume_in_it() {
+    // Found by the test below: five planes that are one to rounding, so that the centre seemed inside of all.
+    let random = &mut Random(354_822);
     let element = element(random).unwrap();
     let ball = ball(&element, random).unwrap();
-    let exact = overlap_in(&ball, &element, Precision::DoubleDouble).overlap.volume;
-    let (volume, bound) = fast_overlap_volume(&ball, &element);
-    assert!((volume - exact).abs() < 0.2 * bound && bound < PROMISE * ball.volume());
+    assert!(fast_overlap_volume(&ball, &element).0 < 1e-25);
 }
 
 #[test]

@@ -6,6 +6,9 @@ use super::arctangent::atan2;
 use super::lane::Lanes;
 use crate::edge_frames::{Edge, EdgeFrames, Plane};
 
+/// How much nearer than a corner to its foot an edge may be to the centre.
+const EDGE_RATIO: f64 = 32.0;
+
 /// Complex numbers below this have no angle that matters: see [`sums_inside`].
 const VANISHING: f64 = 1e-60;
 
@@ -19,6 +22,8 @@ pub(crate) struct PlacedBalls<L> {
     pub centre: [L; 3],
     /// 1 / radius.
     pub scale: L,
+    /// Distance from a plane, in radii, below which rounding hides its side.
+    pub resolution: L,
 }
 
 /// What [`sums_inside`] finds, in units of the ball's radius.
@@ -36,7 +41,7 @@ pub(crate) struct InsideSums<L: Lanes> {
     pub apart: L::Mask,
     /// Whether the centre is in the polyhedron.
     pub centre_inside: L::Mask,
-    /// The least distance, squared, of the centre from a piece of an edge, and of its foot from a corner; 1 without any.
+    /// The least distance, squared, of the centre's foot from a corner, and 32 times that of the centre from an edge; 1 without any.
     pub nearest2: L,
 }
 
@@ -150,7 +155,7 @@ fn height<L: Lanes>(offset: f64, direction: &[f64; 3], balls: &PlacedBalls<L>) -
 ///
 /// Unlike there, the terms are not continuous: they jump where the centre passes through a face, all together and
 /// by a whole turn. That is sound only while it is beyond doubt which face the centre passes, so not where it is near an edge:
-/// `nearest2` tells, and is 0 where a sum near 0 hides whether the centre is in a polyhedron that is not convex. Where h and d are both near zero, so is the number whose angle ΔG is, while |ΔG| ≤ |d Δφ|: it is left out.
+/// `nearest2` tells, and is 0 on more than one plane at once (an edge's line, or a polyhedron without thickness), and where a sum near 0 hides whether the centre is in a polyhedron that is not convex. Where h and d are both near zero, so is the number whose angle ΔG is, while |ΔG| ≤ |d Δφ|: it is left out.
 ///
 /// Source: derived here; products of angles with turns counted by signs.
 #[inline(always)]
@@ -166,6 +171,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         Face { distance: one, reached: no, foot_inside: yes, any_edge: false, triangles: zero, turn: (one, zero) };
     let mut faces = [empty; N];
     let (mut apart, mut centre_inside) = (no, yes);
+    let mut unresolved = zero;
     let beyond_plane = scale.like(-1.0 - 1e-9);
     // A bit for each piece that any of the balls reaches, and for each of their edges.
     let (mut in_reach, mut edges_in_reach) = (0u32, 0u64);
@@ -177,6 +183,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         edges_in_reach |= if any { plane.edges } else { 0 };
         apart = apart | face.distance.less(beyond_plane);
         centre_inside = centre_inside & !face.distance.less(zero);
+        unresolved = unresolved + L::select(face.distance.abs().less(balls.resolution), one, zero);
     }
     let mut sums = InsideSums {
         volume3: zero,
@@ -185,7 +192,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         touched: no,
         apart: if convex { apart } else { no },
         centre_inside,
-        nearest2: one,
+        nearest2: L::select(one.less(unresolved), zero, one),
     };
     let mut angle = Turning::zero(scale);
     let mut any_edge = false;
@@ -212,6 +219,50 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     sums
 }
 
+/// An edge as seen from a ball that it enters.
+struct Nearby<L> {
+    /// Distance of the centre from either plane.
+    d: [L; 2],
+    /// Distance of its foot on either plane from the edge's line.
+    h: [L; 2],
+    /// Ends of the edge, measured along it from the foot.
+    a: L,
+    b: L,
+}
+
+/// Measures an edge from the corner of it that is nearer to the centre.
+///
+/// The angles at points near the edge or its ends would magnify the rounding of distances from a corner far away, or of two
+/// planes that do not meet in quite the same line: so the second plane's are those of the first, turned.
+#[inline(always)]
+fn nearby<L: Lanes>(edge: &Edge, balls: &PlacedBalls<L>) -> Nearby<L> {
+    let (scale, length) = (balls.scale, balls.scale.like(edge.length));
+    let (x, y) = (offset_from(edge.ends[0], balls), offset_from(edge.ends[1], balls));
+    let second = dot(&edge.along, &x).less(length * length.like(-0.5));
+    let x = [L::select(second, y[0], x[0]), L::select(second, y[1], x[1]), L::select(second, y[2], x[2])];
+    let along = dot(&edge.along, &x);
+    let a = L::select(second, along - length, along) * scale;
+    let b = L::select(second, along, along + length) * scale;
+    let (d, h) = (dot(&edge.normal, &x) * scale, dot(&edge.sides[0].outward, &x) * scale);
+    let [[normal_d, normal_h], [outward_d, outward_h]] = edge.rotation;
+    let turned = scale.like(normal_d).mul_add(d, scale.like(normal_h) * h);
+    let other = scale.like(outward_d).mul_add(d, scale.like(outward_h) * h);
+    Nearby { d: [d, turned], h: [h, other], a, b }
+}
+
+/// point − centre.
+#[inline(always)]
+fn offset_from<L: Lanes>(point: [f64; 3], balls: &PlacedBalls<L>) -> [L; 3] {
+    let [x, y, z] = balls.centre;
+    [x.like(point[0]) - x, y.like(point[1]) - y, z.like(point[2]) - z]
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(direction: &[f64; 3], v: &[L; 3]) -> L {
+    let [x, y, z] = *v;
+    z.like(direction[2]).mul_add(z, y.like(direction[1]).mul_add(y, x.like(direction[0]) * x))
+}
+
 /// Adds an edge to the sums of its faces; whether any of it is inside a ball.
 #[inline(always)]
 fn add_edge<L: Lanes, const N: usize>(
@@ -228,37 +279,43 @@ fn add_edge<L: Lanes, const N: usize>(
     let mut h = [zero; 2];
     if L::any(faces[i].reached) {
         h[0] = height(first.offset, &first.outward, balls);
-        faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
         // An edge inside the ball has both of its planes in reach.
         if !L::any(faces[j].reached) {
+            faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
             return false;
         }
     }
     h[1] = height(second.offset, &second.outward, balls);
-    faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
     if !L::any(faces[i].reached) {
+        faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
         return false;
     }
     let d = faces[i].distance;
-    let h2 = h[0] * h[0];
-    let half_chord2 = (one - d).mul_add(one + d, -h2);
-    let entered = faces[i].reached & faces[j].reached & zero.less(half_chord2);
-    if !L::any(entered) {
-        return false;
+    let entered = faces[i].reached & faces[j].reached & zero.less((one - d).mul_add(one + d, -(h[0] * h[0])));
+    let mut d = [d, faces[j].distance];
+    let (mut a, mut b) = (zero, zero);
+    if L::any(entered) {
+        let near = nearby(edge, balls);
+        d = [L::select(entered, near.d[0], d[0]), L::select(entered, near.d[1], d[1])];
+        h = [L::select(entered, near.h[0], h[0]), L::select(entered, near.h[1], h[1])];
+        (a, b) = (near.a, near.b);
     }
+    faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
+    faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
+    let h2 = h[0] * h[0];
+    let half_chord2 = (one - d[0]).mul_add(one + d[0], -h2);
+    let entered = entered & zero.less(half_chord2);
     let t = half_chord2.max(zero).sqrt();
-    let a = height(edge.start, &edge.along, balls);
-    let b = scale.like(edge.length).mul_add(scale, a);
     let (low, high) = (a.max(-t), b.min(t));
     let inside = entered & low.less(high);
     if !L::any(inside) {
         return false;
     }
-    let beyond = d.mul_add(d, h2);
+    let beyond = d[0].mul_add(d[0], h2);
     let nearest = low.max(high.min(zero));
     let corner = a.abs().min(b.abs());
     let to_corner2 = corner.mul_add(corner, h2.min(h[1] * h[1]));
-    let to_edge2 = nearest.mul_add(nearest, beyond);
+    let to_edge2 = nearest.mul_add(nearest, beyond) * scale.like(EDGE_RATIO * EDGE_RATIO);
     *nearest2 = L::select(inside, nearest2.min(to_edge2.min(to_corner2)), *nearest2);
 
     let (r_low, r_high) = (low.mul_add(low, beyond).sqrt(), high.mul_add(high, beyond).sqrt());
@@ -272,10 +329,9 @@ fn add_edge<L: Lanes, const N: usize>(
     let lever = L::select(one_side, beyond * width * (high + low).abs(), far - close);
     let radii = r_low * r_high;
 
-    for (at, h) in [(i, h[0]), (j, h[1])] {
+    for (at, h, d) in [(i, h[0], d[0].abs()), (j, h[1], d[1].abs())] {
         let face = &mut faces[at];
         let h2 = h * h;
-        let d = face.distance.abs();
         let z = (h2 + product, h * width);
         let w = (h2.mul_add(radii, d * d * product).mul_add(divisor, scale.like(VANISHING)), h * d * lever);
         let difference = (z.0.mul_add(w.0, z.1 * w.1), z.1 * w.0 - z.0 * w.1);
