@@ -4,6 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::double_double::{DoubleDouble, two_sum};
+use crate::edge_frames::EdgeFrames;
 use crate::polygon::{flatness, is_exactly_planar, polygon_centroid, polygon_warp, warp_bound};
 use crate::{CornerOrder, ElementKind, Vector};
 
@@ -109,8 +110,6 @@ pub(crate) struct Piece {
     pub flatness: f64,
     /// Largest distance of a corner from the plane, rounding included; 0 where the corners lie in one plane exactly.
     pub warp: f64,
-    /// Whether it can be evaluated in lanes: a triangle or a convex quadrilateral.
-    pub simple: bool,
     /// Centroid, around which the piece is fanned in more digits than `f64` where it is not exactly planar.
     pub apex: DVec3,
 }
@@ -137,8 +136,8 @@ pub struct Polyhedron {
     corner_count: usize,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) piece_corners: Vec<u32>,
-    /// 1 / length of the side from each entry of `piece_corners` to the next of its piece.
-    pub(crate) inverse_lengths: Vec<f64>,
+    /// For the quick way of evaluating it, where that is possible.
+    frames: Option<EdgeFrames>,
     face_areas: Vec<f64>,
     volume: f64,
     low: DVec3,
@@ -259,7 +258,7 @@ impl Polyhedron {
             vertices: positions,
             pieces: Vec::with_capacity(faces.len()),
             piece_corners: Vec::new(),
-            inverse_lengths: Vec::new(),
+            frames: None,
             face_areas: vec![0.0; faces.len()],
             volume: 0.0,
             low,
@@ -283,13 +282,7 @@ impl Polyhedron {
             this.invert();
         }
         this.convex = this.is_convex_within(1e-12 * size);
-        let inverse_lengths = this.rings().flat_map(|(_, corners)| {
-            (0..corners.len()).map(|k| {
-                let at = |k: usize| this.vertices[corners[k % corners.len()] as usize];
-                (at(k + 1) - at(k)).length().recip()
-            })
-        });
-        this.inverse_lengths = inverse_lengths.collect();
+        this.frames = EdgeFrames::new(&this.vertices, this.rings());
         Ok(this)
     }
 
@@ -330,7 +323,6 @@ impl Polyhedron {
             flatness: flatness(&points),
             warp: warp_bound(&points),
             apex: DVec3::from(polygon_centroid(&points)),
-            simple: corners.len() == 3 || corners.len() == 4 && is_convex_quadrilateral(&points, normal),
         });
     }
 
@@ -374,6 +366,12 @@ impl Polyhedron {
             start = piece.end as usize;
             (piece, corners)
         })
+    }
+
+    /// What [`crate::inside`] needs of it, where that can be used.
+    #[inline]
+    pub(crate) fn frames(&self) -> Option<&EdgeFrames> {
+        self.frames.as_ref()
     }
 
     /// Shape of the element.
@@ -445,13 +443,6 @@ fn localised(corners: &[[f64; 3]]) -> (DVec3, Vec<DVec3>) {
     let exact = |k: usize| corners.iter().all(|p| two_sum(p[k], -first[k]).1 == 0.0);
     let origin = DVec3::from([0, 1, 2].map(|k| if exact(k) { first[k] } else { 0.0 }));
     (origin, corners.iter().map(|&p| DVec3::from(p) - origin).collect())
-}
-
-fn is_convex_quadrilateral(points: &[[f64; 3]], normal: DVec3) -> bool {
-    (0..4).all(|k| {
-        let at = |k: usize| DVec3::from(points[k % 4]);
-        (at(k + 1) - at(k)).cross(at(k + 2) - at(k + 1)).dot(normal) > 0.0
-    })
 }
 
 fn check_closed(count: usize, faces: &[&[usize]]) -> Result<(), ElementError> {

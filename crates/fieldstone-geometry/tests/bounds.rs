@@ -4,7 +4,7 @@
 
 use fieldstone_geometry::{
     Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, PROMISE, Polyhedron, Precision, certified_overlap,
-    fast_overlap, overlap_in, overlap_volume,
+    fast_overlap, fast_overlap_volume, overlap_in, overlap_volume,
 };
 
 /// SplitMix64.
@@ -112,8 +112,19 @@ fn the_bound_of_a_needle_face_without_area_inside_is_a_number() {
 }
 
 #[test]
+fn the_bound_holds_for_a_small_ball_whose_centre_is_near_a_corner() {
+    // Found by the test below: distances are rounded by the element's size, and angles at the corner magnify that.
+    let random = &mut Random(174_055);
+    let element = element(random).unwrap();
+    let ball = ball(&element, random).unwrap();
+    let exact = overlap_in(&ball, &element, Precision::DoubleDouble).overlap.volume;
+    let (volume, bound) = fast_overlap_volume(&ball, &element);
+    assert!((volume - exact).abs() < 0.2 * bound && bound < PROMISE * ball.volume());
+}
+
+#[test]
 fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
-    let (mut compared, mut beyond, mut worst) = (0u64, [0u64; 3], [0.0f64; 2]);
+    let (mut compared, mut beyond, mut worst) = (0u64, [0u64; 3], [0.0f64; 3]);
     let mut ratios = Vec::new();
     for seed in 0..pairs() {
         let random = &mut Random(seed);
@@ -135,6 +146,13 @@ fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
         worst[1] = worst[1].max(area_error / fast.sphere_area_error.max(f64::MIN_POSITIVE));
         assert!(error <= fast.volume_error, "seed {seed}: error {error:e}, bound {:e}, {ball:?}", fast.volume_error);
         assert!(area_error <= fast.sphere_area_error.max(1e-300), "seed {seed}: area {area_error:e}");
+        // The volume alone is summed over the edges inside the ball, where that can be done.
+        let (volume, bound) = fast_overlap_volume(&ball, &element);
+        let error = (volume - certain.overlap.volume).abs() - certain.volume_error;
+        worst[2] = worst[2].max(error / bound.max(f64::MIN_POSITIVE));
+        assert!(error <= bound, "seed {seed}: from inside {error:e}, bound {bound:e}, {ball:?}");
+        let kept = (overlap_volume(&ball, &element) - certain.overlap.volume).abs() - certain.volume_error;
+        assert!(kept <= PROMISE * smaller, "seed {seed}: {kept:e}");
         let faces = fast.overlap.face_areas.iter().zip(&certain.overlap.face_areas);
         for (k, (a, b)) in faces.enumerate() {
             let error = (a - b).abs() - certain.face_area_errors[k];
@@ -147,16 +165,17 @@ fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
     ratios.sort_by(f64::total_cmp);
     println!(
         "{compared} pairs ({beyond:?} in f64, 106 and 256 bits); largest error / bound {:.2e} (volume), \
-         {:.2e} (area); median bound / error {:.1e}",
+         {:.2e} (area), {:.2e} (volume from inside); median bound / error {:.1e}",
         worst[0],
         worst[1],
+        worst[2],
         ratios[ratios.len() / 2]
     );
     assert!(compared > pairs() / 2);
 }
 
 #[test]
-fn batches_agree_with_single_calls_and_count_their_slow_path() {
+fn batches_give_the_bits_of_single_calls_and_count_their_slow_path() {
     let (mut balls, mut elements, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
     for seed in 0..5000 {
         let random = &mut Random(seed);
@@ -169,10 +188,8 @@ fn batches_agree_with_single_calls_and_count_their_slow_path() {
     let mut batch = OverlapBatch::default();
     let mut volumes = vec![0.0; pairs.len()];
     batch.pairs(&balls, &elements, &pairs, &mut volumes);
-    for (k, volume) in volumes.iter().enumerate() {
-        let smaller = balls[k].volume().min(elements[k].volume());
-        let single = overlap_volume(&balls[k], &elements[k]);
-        assert!((volume - single).abs() <= 2.0 * PROMISE * smaller, "{k}: {volume:e} and {single:e}");
+    for (k, &volume) in volumes.iter().enumerate() {
+        assert_eq!(volume, overlap_volume(&balls[k], &elements[k]), "{k}");
     }
     let (evaluated, beyond) = batch.path_counts();
     assert!(beyond > 0 && beyond < evaluated && evaluated <= pairs.len() as u64);
@@ -183,9 +200,15 @@ fn batches_agree_with_single_calls_and_count_their_slow_path() {
         batch.pairs(&balls, &elements, &pairs[k..=k], &mut alone);
         assert_eq!(alone[0], volumes[k]);
     }
-    let mut column = vec![0.0; 300];
-    batch.balls_in_element(&balls[..300], &elements[7], &mut column);
+    // Many balls fill registers; what they share them with changes nothing.
+    let mut column = vec![0.0; balls.len()];
+    for element in &elements[..40] {
+        batch.balls_in_element(&balls, element, &mut column);
+        for (ball, &volume) in balls.iter().zip(&column) {
+            assert_eq!(volume, overlap_volume(ball, element), "{ball:?} {element:?}");
+        }
+    }
     let mut row = vec![0.0; 300];
     batch.ball_in_elements(&balls[7], &elements[..300], &mut row);
-    assert_eq!((column[7], row[7]), (volumes[7], volumes[7]));
+    assert_eq!(row[7], volumes[7]);
 }

@@ -57,12 +57,12 @@ impl Separator {
 }
 
 /// Fields of a line, without their quotes and outer blanks.
-struct Fields<'a> {
+pub(crate) struct Fields<'a> {
     rest: Option<&'a [u8]>,
     separator: Separator,
 }
 
-fn fields(line: &[u8], separator: Separator) -> Fields<'_> {
+pub(crate) fn fields(line: &[u8], separator: Separator) -> Fields<'_> {
     let rest = (separator != Separator::Blanks || skip_blanks(line, 0) < line.len()).then_some(line);
     Fields { rest, separator }
 }
@@ -114,15 +114,15 @@ fn skip_blanks_but(line: &[u8], separator: Separator) -> usize {
 }
 
 /// Names of the columns, wherever the file states them.
-struct Header {
-    names: Vec<String>,
-    separator: Separator,
+pub(crate) struct Header {
+    pub(crate) names: Vec<String>,
+    pub(crate) separator: Separator,
     text: String,
 }
 
 impl Header {
     /// Reads up to the first row of numbers, at which `lines` is made to stay.
-    fn read(lines: &mut LineReader) -> Result<Self, IoError> {
+    pub(crate) fn read(lines: &mut LineReader) -> Result<Self, IoError> {
         let mut comments: Vec<Vec<u8>> = Vec::new();
         loop {
             if !lines.advance()? {

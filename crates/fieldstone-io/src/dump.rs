@@ -7,7 +7,9 @@ use fieldstone_particles::{Domain, Particles};
 use crate::assembly::{Assembly, Row};
 use crate::columns::{Columns, Dialect, non_spherical};
 use crate::dump_box::{BoxFault, DumpBox};
-use crate::lines::{LineReader, integer, number, shown, skip_blanks, text, words};
+use crate::dump_stream::{DumpHead, DumpRows, DumpStream};
+use crate::frames::unless_failed;
+use crate::lines::words;
 use crate::{FrameReader, IoError, ParticleOptions};
 
 /// Reads the particles of a LIGGGHTS or LAMMPS text dump, frame by frame, compressed or not.
@@ -41,22 +43,12 @@ use crate::{FrameReader, IoError, ParticleOptions};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct DumpReader {
-    lines: LineReader,
+    stream: DumpStream,
     options: ParticleOptions,
     /// The `ITEM: ATOMS` line that `columns` was made from: most files repeat it in every frame.
     column_line: Vec<u8>,
     columns: Option<Columns>,
-    frame: usize,
-    units: Option<String>,
-    warnings: Vec<String>,
     failed: bool,
-}
-
-struct Head {
-    count: u64,
-    step: Option<i64>,
-    time: Option<f64>,
-    cell: Option<DumpBox>,
 }
 
 impl DumpReader {
@@ -74,148 +66,52 @@ impl DumpReader {
     /// As [`DumpReader::open`].
     pub fn open_with(path: &Path, options: &ParticleOptions) -> Result<Self, IoError> {
         Ok(Self {
-            lines: LineReader::open(path)?,
+            stream: DumpStream::open(path, DumpRows::Atoms)?,
             options: *options,
             column_line: Vec::new(),
             columns: None,
-            frame: 0,
-            units: None,
-            warnings: Vec::new(),
             failed: false,
         })
     }
 
     /// The unit style that the file states (`si`, `lj`, …), once a frame that states it has been read.
     pub fn units(&self) -> Option<&str> {
-        self.units.as_deref()
+        self.stream.units.as_deref()
     }
 
-    fn warn(&mut self, warning: String) {
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
-        }
-    }
-
-    /// Reads up to the `ITEM: ATOMS` line and stays there; `None` at the end of the file. The box is parsed only
-    /// where somebody wants it.
-    fn head(&mut self, with_box: bool) -> Result<Option<Head>, IoError> {
-        let (mut count, mut step, mut time, mut cell) = (None, None, None, None);
-        let mut begun = false;
-        loop {
-            if !self.lines.advance()? {
-                if begun {
-                    let found = format!("the file ends within the header of frame {}", self.frame);
-                    return Err(self.lines.error(found, "the file is cut, or still being written"));
-                }
-                return Ok(None);
-            }
-            let line = self.lines.line();
-            if skip_blanks(line, 0) == line.len() {
-                continue;
-            }
-            let Some(item) = line.strip_prefix(b"ITEM:") else {
-                let found = format!("'{}' stands where an 'ITEM:' line is expected", shown(line));
-                let remedy = if self.frame > 0 {
-                    "the frame before has more rows than its number of atoms says"
-                } else {
-                    "this is no LIGGGHTS or LAMMPS text dump"
-                };
-                return Err(self.lines.error(found, remedy));
-            };
-            begun = true;
-            let item: Vec<&[u8]> = words(item).take(3).collect();
-            match item.as_slice() {
-                [b"TIMESTEP", ..] => step = Some(self.value("a time step", integer)?),
-                [b"UNITS", ..] => self.units = Some(self.value("a unit style", |word| Some(text(word)))?),
-                [b"TIME", ..] => time = Some(self.value("a time", number)?),
-                [b"NUMBER", b"OF", b"ATOMS"] => {
-                    count = Some(self.value("a number of atoms", |w| u64::try_from(integer(w)?).ok())?);
-                }
-                [b"NUMBER", b"OF", ..] | [b"ENTRIES", ..] => {
-                    let found = "this is a dump local (contacts or other entries), not particles";
-                    return Err(self.lines.error(found, "give a dump custom with positions as the particles"));
-                }
-                [b"BOX", b"BOUNDS", ..] if with_box => cell = Some(DumpBox::read(&mut self.lines)?),
-                [b"BOX", b"BOUNDS", ..] => {
-                    for _ in 0..3 {
-                        self.lines.advance()?;
-                    }
-                }
-                [b"ATOMS", ..] => {
-                    let Some(count) = count else {
-                        let found = "the rows begin, but no 'ITEM: NUMBER OF ATOMS' came before them";
-                        return Err(self.lines.error(found, "write the file again"));
-                    };
-                    return Ok(Some(Head { count, step, time, cell }));
-                }
-                _ => {
-                    let warning = format!("passed over '{}', which is not known in dumps", shown(self.lines.line()));
-                    self.warn(warning);
-                    self.pass_over_section()?;
-                }
-            }
-        }
-    }
-
-    fn pass_over_section(&mut self) -> Result<(), IoError> {
-        while self.lines.advance()? {
-            if self.lines.line().starts_with(b"ITEM:") {
-                self.lines.stay();
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// The single word in the next line.
-    fn value<T>(&mut self, what: &str, parse: impl Fn(&[u8]) -> Option<T>) -> Result<T, IoError> {
-        if !self.lines.advance()? {
-            let found = format!("the file ends where {what} is expected");
-            return Err(self.lines.error(found, "the file is cut, or still being written"));
-        }
-        let mut found = words(self.lines.line());
-        match (found.next().and_then(parse), found.next()) {
-            (Some(value), None) => Ok(value),
-            _ => {
-                let found = format!("'{}' stands where {what} is expected", shown(self.lines.line()));
-                Err(self.lines.error(found, "write the file again"))
-            }
-        }
-    }
-
-    /// Makes the columns' meaning from the current line.
-    fn settle_columns(&mut self) -> Result<(), IoError> {
-        if self.columns.is_some() && self.column_line == self.lines.line() {
+    /// Makes the columns' meaning from the header.
+    fn settle_columns(&mut self, head: &DumpHead) -> Result<(), IoError> {
+        if self.columns.is_some() && self.column_line == head.column_line {
             return Ok(());
         }
-        let names: Vec<String> = words(self.lines.line()).skip(2).map(text).collect();
+        let names = head.names();
         if !self.options.allow_non_spherical
             && let Some((found, remedy)) = non_spherical(&names)
         {
-            return Err(self.lines.error(found, remedy));
+            return Err(self.stream.lines.error(found, remedy));
         }
         if names.iter().any(|name| name == "mol") {
-            self.warn(
+            self.stream.warn(
                 "column 'mol': if molecules are clumps of overlapping spheres, their overlaps are counted twice".into(),
             );
         }
         match Columns::new(names, Dialect::Dump) {
             Ok(columns) => {
                 self.columns = Some(columns);
-                self.column_line = self.lines.line().to_vec();
+                self.column_line.clone_from(&head.column_line);
                 Ok(())
             }
-            Err(missing) => Err(self.lines.error(missing, "write the dump with columns x y z")),
+            Err(missing) => Err(self.stream.lines.error(missing, "write the dump with columns x y z")),
         }
     }
 
     fn domain(&mut self, cell: Option<&DumpBox>) -> Result<Option<Domain>, IoError> {
         let Some(cell) = cell else {
-            self.warn("the file states no box".into());
+            self.stream.warn("the file states no box".into());
             return Ok(None);
         };
         if !cell.flagged() {
-            self.warn("the file does not say which directions are periodic: none is taken to be".into());
+            self.stream.warn("the file does not say which directions are periodic: none is taken to be".into());
         }
         match cell.domain() {
             Ok(domain) => Ok(Some(domain)),
@@ -227,37 +123,39 @@ impl DumpReader {
                 if periodic {
                     warning.push_str("; particles at a periodic boundary are not continued on the other side");
                 }
-                self.warn(warning);
+                self.stream.warn(warning);
                 Ok(None)
             }
-            Err(BoxFault::Empty(reason)) => Err(self.lines.error(reason, "the box is wrong: write the file again")),
+            Err(BoxFault::Empty(reason)) => {
+                Err(self.stream.lines.error(reason, "the box is wrong: write the file again"))
+            }
         }
     }
 
     fn read_frame(&mut self) -> Result<Option<Particles>, IoError> {
-        let Some(head) = self.head(true)? else { return Ok(None) };
-        self.settle_columns()?;
+        let Some(head) = self.stream.head(true)? else { return Ok(None) };
+        self.settle_columns(&head)?;
         let domain = self.domain(head.cell.as_ref())?;
         // Taken out while rows are read: warnings may come up in between.
         let Some(mut columns) = self.columns.take() else { return Ok(None) };
         if columns.scaled() && head.cell.is_none() {
             let found = "the coordinates are fractions of the box, but no 'ITEM: BOX BOUNDS' came before them";
-            return Err(self.lines.error(found, "write the dump with columns x y z"));
+            return Err(self.stream.lines.error(found, "write the dump with columns x y z"));
         }
         let expected = usize::try_from(head.count).unwrap_or(usize::MAX);
         let mut assembly = None;
         let mut row = Row::default();
         for index in 0..head.count {
-            self.next_row(index, head.count)?;
-            let line = self.lines.line();
+            self.stream.next_row(index, head.count)?;
+            let line = self.stream.lines.line();
             if assembly.is_none() {
                 for name in columns.pass_over_text(words(line)) {
-                    self.warn(format!("column '{name}' holds text and is passed over"));
+                    self.stream.warn(format!("column '{name}' holds text and is passed over"));
                 }
                 assembly = Some(Assembly::new(&columns, expected));
             }
             let Some(assembly) = &mut assembly else { continue };
-            let line = self.lines.line();
+            let line = self.stream.lines.line();
             let result = columns.read_words(line, &mut row).and_then(|()| {
                 assembly.push(&columns, &row, |p| match &head.cell {
                     Some(cell) if columns.scaled() => cell.place(p),
@@ -265,23 +163,23 @@ impl DumpReader {
                 })
             });
             if let Err(fault) = result {
-                if !self.lines.complete() {
-                    return Err(self.truncated(index, head.count));
+                if !self.stream.lines.complete() {
+                    return Err(self.stream.truncated(index, head.count));
                 }
                 let (found, remedy) = fault.describe(&columns);
-                return Err(self.lines.error(found, remedy));
+                return Err(self.stream.lines.error(found, remedy));
             }
         }
-        if head.count > 0 && !self.lines.complete() {
-            self.warn("the last row has no line end: if the file is cut, its last number may be too".into());
+        if head.count > 0 && !self.stream.lines.complete() {
+            self.stream.warn("the last row has no line end: if the file is cut, its last number may be too".into());
         }
         let assembly = assembly.unwrap_or_else(|| Assembly::new(&columns, 0));
         let particles = assembly
             .finish(&columns)
-            .map_err(|source| IoError::Particles { path: self.lines.path().into(), source })?
+            .map_err(|source| IoError::Particles { path: self.stream.lines.path().into(), source })?
             .at(head.step, head.time);
         self.columns = Some(columns);
-        self.frame += 1;
+        self.stream.frame += 1;
         Ok(Some(match domain {
             Some(domain) => particles.with_domain(domain),
             None => particles,
@@ -289,54 +187,22 @@ impl DumpReader {
     }
 
     fn pass_frame(&mut self) -> Result<bool, IoError> {
-        let Some(head) = self.head(false)? else { return Ok(false) };
-        for index in 0..head.count {
-            self.next_row(index, head.count)?;
-        }
-        self.frame += 1;
+        let Some(head) = self.stream.head(false)? else { return Ok(false) };
+        self.stream.pass_rows(head.count)?;
         Ok(true)
-    }
-
-    /// Goes to the row of atom `index`.
-    #[inline]
-    fn next_row(&mut self, index: u64, count: u64) -> Result<(), IoError> {
-        if !self.lines.advance()? {
-            return Err(self.truncated(index, count));
-        }
-        // No column begins with a capital I that a number could be confused with: only a new section does.
-        if self.lines.line().starts_with(b"ITEM:") {
-            let found = format!("frame {} has {index} rows, but its number of atoms is {count}", self.frame);
-            return Err(self.lines.error(found, "the program that wrote it was stopped: remove the incomplete frame"));
-        }
-        Ok(())
-    }
-
-    fn truncated(&self, index: u64, count: u64) -> IoError {
-        let found = format!("the file ends after {index} of the {count} atoms of frame {}", self.frame);
-        self.lines.error(found, "the file is cut, or still being written; earlier frames can be read")
     }
 }
 
 impl FrameReader for DumpReader {
     fn next_frame(&mut self) -> Result<Option<Particles>, IoError> {
-        if self.failed {
-            return Ok(None);
-        }
-        let result = self.read_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::read_frame)
     }
 
     fn skip_frame(&mut self) -> Result<bool, IoError> {
-        if self.failed {
-            return Ok(false);
-        }
-        let result = self.pass_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::pass_frame)
     }
 
     fn warnings(&self) -> &[String] {
-        &self.warnings
+        &self.stream.warnings
     }
 }

@@ -26,3 +26,18 @@ pub trait FrameReader {
         &[]
     }
 }
+
+/// One step of a reader that has not failed yet; nothing (`None`, `false`) after an error, since where the next
+/// frame starts is then unknown.
+pub(crate) fn unless_failed<R, T: Default>(
+    reader: &mut R,
+    failed: fn(&mut R) -> &mut bool,
+    step: impl FnOnce(&mut R) -> Result<T, IoError>,
+) -> Result<T, IoError> {
+    if *failed(reader) {
+        return Ok(T::default());
+    }
+    let result = step(reader);
+    *failed(reader) = result.is_err();
+    result
+}

@@ -6,6 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 
 use crate::assembly::{Assembly, Row};
 use crate::columns::{Columns, Dialect};
+use crate::frames::unless_failed;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, words};
 use crate::{FrameReader, IoError};
 
@@ -135,21 +136,11 @@ impl MercuryReader {
 
 impl FrameReader for MercuryReader {
     fn next_frame(&mut self) -> Result<Option<Particles>, IoError> {
-        if self.failed {
-            return Ok(None);
-        }
-        let result = self.read_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::read_frame)
     }
 
     fn skip_frame(&mut self) -> Result<bool, IoError> {
-        if self.failed {
-            return Ok(false);
-        }
-        let result = self.pass_frame();
-        self.failed = result.is_err();
-        result
+        unless_failed(self, |reader| &mut reader.failed, Self::pass_frame)
     }
 
     fn warnings(&self) -> &[String] {

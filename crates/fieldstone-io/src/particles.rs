@@ -9,7 +9,9 @@ use crate::columns::non_spherical;
 use crate::lines::{integer, number, shown, words};
 use crate::openfoam::read_cloud;
 use crate::vtk::read_vtk_particles;
-use crate::{CsvReader, DumpReader, FrameReader, IoError, MercuryReader, Position, XyzReader, source};
+use crate::{
+    CsvReader, DumpReader, FrameReader, IoError, MercuryReader, Position, XyzReader, read_bgeo, read_ply, source,
+};
 
 /// Options for reading particles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -71,6 +73,16 @@ const FORMATS: &[Format] = &[
         open: |path, options| Ok(whole_file(path, options, read_vtk_particles)),
     },
     Format {
+        name: "PLY",
+        fits: |start| start.bytes.starts_with(b"ply\n") || start.bytes.starts_with(b"ply\r\n"),
+        open: |path, options| Ok(whole_file(path, options, read_ply)),
+    },
+    Format {
+        name: "classic .bgeo",
+        fits: |start| start.bytes.starts_with(b"BgeoV"),
+        open: |path, options| Ok(whole_file(path, options, read_bgeo)),
+    },
+    Format {
         name: "OpenFOAM cloud",
         fits: |start| start.path.is_dir() || start.begins(&["/*", "FoamFile"]),
         open: |path, options| Ok(whole_file(path, options, read_cloud)),
@@ -118,8 +130,8 @@ fn other_format(start: &Start) -> Option<&'static str> {
     if start.begins(&["{", "["]) {
         return Some("a JSON file");
     }
-    if start.begins(&["solid", "ply"]) {
-        return Some("a file of triangles or points (STL, PLY)");
+    if start.begins(&["solid"]) {
+        return Some("a file of triangles (STL)");
     }
     if start.named(&[".fstat"]) {
         return Some("a MercuryDPM .fstat file of contacts; the particles are read from the .data file");
@@ -142,8 +154,8 @@ fn whole_file(path: &Path, options: &ParticleOptions, read: fn(&Path) -> Result<
 
 /// Opens a file of particles, deciding on the format by its content.
 ///
-/// LIGGGHTS and LAMMPS text dumps, VTK points, OpenFOAM clouds (by their folder or a file), MercuryDPM `.data`,
-/// XYZ and tables (CSV, `# x y z`, YADE's text export) are read; all of them compressed with gzip, too.
+/// LIGGGHTS and LAMMPS text dumps, VTK points, PLY point clouds, classic `.bgeo`, OpenFOAM clouds (by their folder or
+/// a file), MercuryDPM `.data`, XYZ and tables (CSV, `# x y z`, YADE's text export) are read; all of them compressed with gzip, too.
 ///
 /// # Errors
 /// [`IoError::UnknownFormat`] tells what the content looks like; [`IoError::System`] where the file cannot be

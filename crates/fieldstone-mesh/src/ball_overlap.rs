@@ -23,9 +23,9 @@ enum Way {
 /// A face had to be evaluated from outside: start the ball again that way.
 struct NotFromInside;
 
-/// Rounding error of the volume from inside, in units of ε r³, beyond what [`ErrorBound`] counts: angles at points as
-/// near as 1/64 radius lose six bits, though hardly all at once.
-const INSIDE_ROUNDING: f64 = 32.0;
+/// Rounding error of the volume from inside in units of ε ρ r³ / δ, beyond what [`ErrorBound`] counts, with ρ the distance of
+/// the farthest corner and δ that of the nearest edge, see [`crate::face_inside`]: angles there lose 1/δ.
+const NEAR_ROUNDING: f64 = 8.0;
 
 /// Working memory of [`crate::Cells::overlap_ball`] and its siblings: one per thread.
 ///
@@ -224,7 +224,8 @@ impl Mesh {
         let (mut volume3, mut solid_angle, mut touched) = (0.0, 0.0, false);
         let mut nearest = f64::INFINITY;
         let [low, high] = self.bounds[at];
-        let mut bound = ErrorBound::new((centre - low).abs().max((high - centre).abs()).length() * scale);
+        let reach = (centre - low).abs().max((high - centre).abs()).length() * scale;
+        let (mut bound, mut nearness) = (ErrorBound::new(reach), 0.0f64);
         for (face, sign) in self.signed_faces(at) {
             if scratch.stamp[face] != scratch.ball {
                 scratch.sums[face] = match way {
@@ -239,6 +240,7 @@ impl Mesh {
             volume3 += sign * sum.volume3;
             solid_angle += sign * sum.solid_angle;
             touched |= sum.area != 0.0;
+            nearness = nearness.max(sum.nearness);
             // From inside, a face out of reach adds nothing, and no error.
             if way == Way::Outside || sum.area != 0.0 {
                 let [flatness, warp] = self.surface.shapes[face];
@@ -282,7 +284,7 @@ impl Mesh {
         let mut volume = volume_from_terms(ball, whole, volume3, solid_angle, touched);
         scratch.counts.evaluated += 1;
         if scratch.promise {
-            let rounding = if way == Way::Inside { INSIDE_ROUNDING * f64::EPSILON * r * r * r } else { 0.0 };
+            let rounding = NEAR_ROUNDING * f64::EPSILON * reach * nearness * r * r * r;
             if bound.volume(r) + rounding > PROMISE * whole.min(ball.volume()) {
                 scratch.counts.beyond_f64 += 1;
                 // A cell that cannot stand alone (points that coincide) keeps what f64 gives.

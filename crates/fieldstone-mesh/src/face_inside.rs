@@ -40,6 +40,7 @@ pub(crate) fn face_inside(normal: DVec3, distance: f64, corners: &[DVec3]) -> Op
     let s2 = (1.0 - d) * (1.0 + d);
     let (mut triangles, mut turn, mut angle) = (0.0, 0.0, 0.0);
     let (mut foot_inside, mut any_inside) = (true, false);
+    let mut nearest2: f64 = 1.0;
     let mut a = *corners.last()?;
     for &b in corners {
         let along = b - a;
@@ -59,9 +60,7 @@ pub(crate) fn face_inside(normal: DVec3, distance: f64, corners: &[DVec3]) -> Op
                 let beyond = d2 + h2;
                 let nearest = 0f64.clamp(low, high);
                 let corner2 = h2 + ta.abs().min(tb.abs()).powi(2);
-                if (beyond + nearest * nearest).min(corner2) < NEAR * NEAR {
-                    return None;
-                }
+                nearest2 = nearest2.min(beyond + nearest * nearest).min(corner2);
                 any_inside = true;
                 let r_low = if ta > -t { (beyond + ta * ta).sqrt() } else { 1.0 };
                 let r_high = if tb < t { (beyond + tb * tb).sqrt() } else { 1.0 };
@@ -92,8 +91,12 @@ pub(crate) fn face_inside(normal: DVec3, distance: f64, corners: &[DVec3]) -> Op
             ..FaceSum::default()
         });
     }
+    if nearest2 < NEAR * NEAR {
+        return None;
+    }
     let rest = if foot_inside { TAU } else { 0.0 } - turn;
     let area = (0.5 * (triangles + s2 * rest)).max(0.0);
     let solid_angle = -side * (angle + (1.0 - d) * rest);
-    Some(FaceSum { volume3: distance * area + solid_angle, solid_angle, area, ..FaceSum::default() })
+    let nearness = 1.0 / nearest2.sqrt();
+    Some(FaceSum { volume3: distance * area + solid_angle, solid_angle, area, nearness, ..FaceSum::default() })
 }

@@ -28,6 +28,8 @@ pub(crate) struct FaceSum {
     pub area: f64,
     /// Least and largest d of the pieces; positive with the centre on the owner's side. [`Surface::sum_inside`] only.
     pub distances: [f64; 2],
+    /// The largest 1/δ over edges inside the ball, see [`face_inside`]; 0 without any. [`Surface::sum_inside`] only.
+    pub nearness: f64,
 }
 
 /// The planar pieces of all faces.
@@ -191,6 +193,7 @@ impl Surface {
             sum.volume3 += terms.volume3;
             sum.solid_angle += terms.solid_angle;
             sum.area += terms.area;
+            sum.nearness = sum.nearness.max(terms.nearness);
         }
         Some(sum)
     }

@@ -96,4 +96,54 @@ pub enum ParticlesError {
         /// The number found.
         value: f64,
     },
+    /// The reach of a neighbour search is no length.
+    #[error("the reach of the neighbour search is {value}; it must be finite and above 0")]
+    Reach {
+        /// The reach given.
+        value: f64,
+    },
+    /// A number of dimensions other than 2 and 3.
+    #[error("{value} dimensions are not supported; choose 2 or 3")]
+    Dimension {
+        /// The number given.
+        value: usize,
+    },
+    /// The reach of a neighbour search spans a periodic box several times.
+    #[error(
+        "the neighbour search reaches {reach}, but the periodic box is only {length} long along {axis}; at most 4 box lengths are allowed: check the units"
+    )]
+    ReachBeyondBox {
+        /// The reach given.
+        reach: f64,
+        /// Axis name, `x`, `y` or `z`.
+        axis: char,
+        /// Length of the box.
+        length: f64,
+    },
+    /// Neighbours are asked for farther away than the search was built for.
+    #[error(
+        "neighbours within {radius} are asked for, but the search was built for {reach}; build it for the largest radius"
+    )]
+    BeyondReach {
+        /// The radius asked for.
+        radius: f64,
+        /// The reach of the search.
+        reach: f64,
+    },
+    /// An index beyond the last particle.
+    #[error("there is no particle {index}: there are {particle_count}, counted from 0")]
+    UnknownIndex {
+        /// The index.
+        index: usize,
+        /// Particles in the set.
+        particle_count: usize,
+    },
+    /// More points than an index of 32 bits can tell apart.
+    #[error(
+        "{count} points, periodic and mirror images included, are too many for one neighbour search (at most 4294967294)"
+    )]
+    TooMany {
+        /// Points.
+        count: usize,
+    },
 }

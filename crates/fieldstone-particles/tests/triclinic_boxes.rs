@@ -99,8 +99,8 @@ proptest! {
         let cross = |u: [f64; 3], v: [f64; 3]|
             [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let faces = [cross(b, c), cross(c, a), cross(a, b)].map(length);
-        for k in 0..3 {
-            prop_assert!((domain.heights()[k] * faces[k] / domain.volume() - 1.0).abs() < 1e-12);
+        for (height, face) in domain.heights().iter().zip(faces) {
+            prop_assert!((height * face / domain.volume() - 1.0).abs() < 1e-12);
         }
     }
 

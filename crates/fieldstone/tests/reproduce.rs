@@ -67,17 +67,14 @@ fn the_errors_stay_within_the_limits_and_do_not_depend_on_threads() {
     // An error of exactly 0 everywhere would be no measurement.
     assert!(fig10.iter().filter(|row| row[4].parse::<f64>().unwrap() > 0.0).count() > fig10.len() / 2);
 
-    // Mesh, angle, radius, way.
+    // Mesh, angle, radius, then number of spheres and worst error of the kernel and of the decomposition.
     let fig11 = rows(&one.join("fig11.csv"));
-    assert_eq!(fig11.len(), 6 * 10 * 3 * 2);
+    assert_eq!(fig11.len(), 6 * 10 * 3);
     for row in &fig11 {
-        let [angle, worst] = [1, 5].map(|k| row[k].parse::<f64>().unwrap());
-        let limit = match (row[3].as_str(), angle) {
-            ("decomposition", _) => 1e-11,
-            (_, 80.0) => 2e-14,
-            _ => 5e-15,
-        };
-        assert!(worst <= limit, "{row:?}");
+        let [angle, kernel, decomposition] = [1, 4, 6].map(|k| row[k].parse::<f64>().unwrap());
+        let limit = if angle == 80.0 { 2e-14 } else { 5e-15 };
+        assert!(kernel <= limit && decomposition <= 1e-11, "{row:?}");
+        assert!(row[3].parse::<u32>().unwrap() > 0 && row[5].parse::<u32>().unwrap() > 0, "{row:?}");
     }
 
     let page = std::fs::read_to_string(one.join("index.md")).unwrap();

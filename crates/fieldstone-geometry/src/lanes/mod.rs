@@ -1,11 +1,11 @@
-//! The kernel for many faces at once, in lanes of eight `f64`.
+//! The kernel for convex pieces from what of them is inside the ball: for one ball, or for as many as a register holds.
 //!
-//! Plain loops over arrays of eight numbers, which the compiler turns into the vector instructions of the machine that it runs
-//! on: [`pulp`] picks AVX-512, AVX2 or the baseline when the program starts. The formulas are those of
-//! [`crate::face_terms`], which stays the reference; angles come from [`arctangent`].
+//! [`pulp`] picks AVX-512, AVX2 or the baseline when the program starts. [`crate::face_terms`] stays the reference;
+//! angles come from [`arctangent`].
 
 mod arctangent;
-mod faces;
+mod inside;
 mod lane;
 
-pub(crate) use faces::{FaceBatch, PlaneFace};
+pub(crate) use inside::{NEAR2, PlacedBalls, sums_inside};
+pub(crate) use lane::{Lanes, Register, Single};

@@ -16,7 +16,7 @@ pub(super) const RADIUS: Axis = Axis { name: "radius / side of a cell", range: [
 pub(super) const ERROR: Axis = Axis { name: "worst relative error", range: [1e-16, 1e-10], logarithmic: true };
 
 /// More digits cost some fifty times as much, and beyond radius 1 most small elements need them.
-const PROMISED_PART: u32 = 10;
+const PROMISED_PART: u32 = 4;
 
 fn share(way: Way, radius: f64, schedule: Schedule) -> u32 {
     if way == Way::Promised && radius > 1.0 + 1e-9 { schedule.part(radius, PROMISED_PART) } else { schedule.at(radius) }
@@ -94,15 +94,16 @@ fn section(settings: &Settings, results: &[Vec<Misses>]) -> String {
         };
         results.iter().filter_map(of_mesh).reduce(f64::max)
     };
-    text.push_str(
-        "| worst over all meshes | paper | kernel with promise | kernel in f64 | decomposition |\n|---|---|---|---|---|\n",
-    );
-    for (name, low, high, paper) in [
+    let ranges = [
         ("plateau, r ≤ 0.2", 0.0, 0.2, Some(1e-15)),
         ("size ratio near unity, 0.4 ≤ r ≤ 1.1", 0.4, 1.1, Some(1e-14)),
         ("r ≥ 19", 19.0, f64::INFINITY, Some(1e-11)),
         ("all radii", 0.0, f64::INFINITY, None),
-    ] {
+    ];
+    text.push_str(
+        "| worst over all meshes | paper | kernel with promise | kernel in f64 | decomposition |\n|---|---|---|---|---|\n",
+    );
+    for (name, low, high, paper) in ranges {
         let cell = |way: Way| worst(way, low, high).map_or("–".into(), exponent);
         let ours = [Way::Promised, Way::Fast, Way::Decomposition].map(cell).join(" | ");
         let paper = paper.map_or("–".into(), |p: f64| format!("{p:.0e}"));
@@ -118,12 +119,16 @@ fn section(settings: &Settings, results: &[Vec<Misses>]) -> String {
         "\nThe promise took more than 64-bit floats for {beyond} of {cut} partial overlaps, for {} of {} at r ≤ 1.\n",
         up_to_one.1, up_to_one.0
     ));
-    if let (Some(ours), Some(theirs)) = (worst(Way::Promised, 19.0, 1e9), worst(Way::Decomposition, 19.0, 1e9)) {
-        text.push_str(&format!(
-            "\nAt the largest spheres the worst error of the kernel is {}; that of the decomposition is {}.\n",
-            against(ours, 1e-11),
-            against(theirs, 1e-11)
-        ));
+    text.push_str(
+        "\nThe worst of few spheres is lower than that of the paper's 100,000; with that in mind, what agrees and what \
+         differs:\n\n",
+    );
+    for way in [Way::Promised, Way::Fast, Way::Decomposition] {
+        for (name, low, high, paper) in ranges {
+            if let (Some(ours), Some(paper)) = (worst(way, low, high), paper) {
+                text.push_str(&format!("* {}, {name}: {}\n", way.name(), against(ours, paper)));
+            }
+        }
     }
     text
 }

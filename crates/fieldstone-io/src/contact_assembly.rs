@@ -1,0 +1,258 @@
+//! Contacts resolved against the particles of their frame: indices instead of ids, vectors instead of positions.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use fieldstone_particles::{Contact, Contacts, Particles, Partner};
+
+use crate::{IoError, Position};
+
+/// Mirrored lines whose forces agree to this part of the force are one contact seen from its two sides.
+const MIRRORED: f64 = 1e-6;
+
+/// What was found, and the remedy: an error that does not know its file and line yet.
+pub(crate) type Refusal = (String, String);
+
+/// Where the bodies of a contact touch.
+struct Placed {
+    arm: [f64; 3],
+    branch: [f64; 3],
+    /// Whether the branch leads to the partner or an image of it.
+    on_lattice: bool,
+}
+
+/// What a source says of where two bodies touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Touch {
+    /// Nothing: the spheres' radii decide.
+    Spheres,
+    /// By how much the spheres overlap.
+    Overlap(f64),
+    /// The point, in whichever periodic image.
+    Point([f64; 3]),
+    /// From the particle's centre to the point, and to about the partner's centre.
+    Vectors { arm: [f64; 3], branch: [f64; 3] },
+}
+
+/// A contact as its source states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Row {
+    pub(crate) particle: u32,
+    pub(crate) partner: Partner,
+    pub(crate) force: [f64; 3],
+    /// The normal part of the force, where the source tells it apart.
+    pub(crate) normal_force: Option<[f64; 3]>,
+    pub(crate) touch: Touch,
+    /// Line in the file, from 1.
+    pub(crate) line: u64,
+}
+
+/// Rows of one frame, to become [`Contacts`].
+pub(crate) struct ContactAssembly<'a> {
+    particles: &'a Particles,
+    path: &'a Path,
+    rows: Vec<Row>,
+    warnings: Vec<String>,
+}
+
+impl<'a> ContactAssembly<'a> {
+    pub(crate) fn new(particles: &'a Particles, path: &'a Path) -> Self {
+        Self { particles, path, rows: Vec::new(), warnings: Vec::new() }
+    }
+
+    pub(crate) fn push(&mut self, row: Row) {
+        self.rows.push(row);
+    }
+
+    /// The contacts, and what the user should know about them.
+    pub(crate) fn finish(mut self) -> Result<(Contacts, Vec<String>), IoError> {
+        let mirrored = self.mirrored();
+        let mut contacts = Contacts::new();
+        let (mut distant, mut oblique, mut unaligned) = (0usize, 0usize, 0usize);
+        for (row, mirrored) in self.rows.iter().zip(mirrored) {
+            if mirrored {
+                continue;
+            }
+            let at_line =
+                |(found, remedy): Refusal| IoError::content(self.path, Position::Line(row.line), found, remedy);
+            let Placed { arm, branch, on_lattice } = self.place(row).map_err(at_line)?;
+            unaligned += usize::from(!on_lattice);
+            if let Ok(radii) = self.particles.radii() {
+                distant += usize::from(length(arm) > 1.5 * radii[row.particle as usize]);
+            }
+            if let (Some(normal), Partner::Particle(_)) = (row.normal_force, row.partner) {
+                oblique += usize::from(length(cross(normal, branch)) > 1e-3 * length(normal) * length(branch));
+            }
+            let contact = Contact { particle: row.particle, partner: row.partner, force: row.force, arm, branch };
+            contacts
+                .push(self.particles.len(), contact)
+                .map_err(|e| at_line((e.to_string(), "correct the row, or write the file again".into())))?;
+        }
+        let total = contacts.len();
+        if distant > 0 {
+            self.warnings.push(format!(
+                "{distant} of {total} contact points are more than 1.5 radii from the particle's centre: are these the \
+                 contacts of the same frame, and the right columns?"
+            ));
+        }
+        if oblique > 0 {
+            self.warnings.push(format!(
+                "{oblique} of {total} normal forces are not along the line of centres: are these the right columns?"
+            ));
+        }
+        if unaligned > 0 {
+            self.warnings.push(format!(
+                "{unaligned} of {total} contacts have a normal that leads neither to the partner nor to an image of it: \
+                 are these the contacts of the same frame?"
+            ));
+        }
+        Ok((contacts, self.warnings))
+    }
+
+    fn place(&self, row: &Row) -> Result<Placed, Refusal> {
+        let positions = self.particles.positions();
+        let nearest = |v: [f64; 3]| self.particles.domain().map_or(v, |domain| domain.minimum_image(v));
+        // A point half a box away, where a particle touches its own image, stays on the side that the source says.
+        let to_point = |point: [f64; 3], centre: [f64; 3]| {
+            let (stated, shortest) = (difference(point, centre), nearest(difference(point, centre)));
+            if length(stated) <= length(shortest) * (1.0 + 1e-9) { stated } else { shortest }
+        };
+        let centre = positions[row.particle as usize];
+        let partner = match row.partner {
+            Partner::Particle(partner) => partner as usize,
+            Partner::Wall(_) => {
+                let arm = match row.touch {
+                    Touch::Point(point) => to_point(point, centre),
+                    Touch::Vectors { arm, .. } => arm,
+                    Touch::Spheres | Touch::Overlap(_) => {
+                        let found = "a contact with a wall has no contact point".to_string();
+                        return Err((found, "write the contact point of wall contacts (columns point)".into()));
+                    }
+                };
+                return Ok(Placed { arm, branch: arm, on_lattice: true });
+            }
+        };
+        let apart = difference(positions[partner], centre);
+        let radii = self.particles.radii().ok().map(|radii| [radii[row.particle as usize], radii[partner]]);
+        match row.touch {
+            Touch::Point(point) => {
+                let arm = to_point(point, centre);
+                // The image of the partner that lies beyond the contact point. In a box of a few diameters it need
+                // not be the one nearest to the particle.
+                let factor = radii.map_or(2.0, |[own, other]| 1.0 + other / own);
+                let beyond = arm.map(|a| factor * a);
+                let rest = nearest(difference(apart, beyond));
+                Ok(Placed { arm, branch: sum(beyond, rest), on_lattice: true })
+            }
+            Touch::Vectors { arm, branch } => {
+                let rest = nearest(difference(apart, branch));
+                let reach = length(branch);
+                if length(rest) < 1e-3 * reach {
+                    return Ok(Placed { arm, branch: sum(branch, rest), on_lattice: true });
+                }
+                // The source does not say which directions are periodic, but lengths of the box may tell.
+                let on_lattice = self.particles.domain().is_some_and(|domain| {
+                    let all = domain.with_periodic([true; 3]);
+                    length(all.minimum_image(rest)) < 1e-3 * reach
+                });
+                Ok(Placed { arm, branch, on_lattice })
+            }
+            Touch::Overlap(_) | Touch::Spheres => {
+                let branch = nearest(apart);
+                let distance = length(branch);
+                if distance == 0.0 {
+                    let found =
+                        "the centres of the two particles coincide, so the contact has no direction".to_string();
+                    return Err((found, "check which columns hold the two particles".into()));
+                }
+                let along = match (row.touch, radii) {
+                    (Touch::Overlap(overlap), Some([own, _])) => own - 0.5 * overlap,
+                    (_, Some([own, other])) => 0.5 * (distance + own - other),
+                    (_, None) => 0.5 * distance,
+                };
+                Ok(Placed { arm: branch.map(|b| along * (b / distance)), branch, on_lattice: true })
+            }
+        }
+    }
+
+    /// Which rows are the mirror image of an earlier one.
+    ///
+    /// Some programs list each pair once, others twice, once from either side. A row (j, i) with the opposite force of
+    /// an earlier row (i, j) is the same contact. Where every pair has rows of both kinds, the file lists pairs twice
+    /// even if some forces do not mirror each other, and the user is told by how much.
+    fn mirrored(&mut self) -> Vec<bool> {
+        let mut pairs: HashMap<[u32; 2], [Vec<usize>; 2]> = HashMap::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            if let Some((key, side)) = pair_of(row) {
+                pairs.entry(key).or_default()[side].push(index);
+            }
+        }
+        let mut distinct = pairs.iter().filter(|(key, _)| key[0] != key[1]).peekable();
+        let listed_twice =
+            distinct.peek().is_some() && distinct.all(|(_, rows)| rows.iter().all(|side| !side.is_empty()));
+        let mut taken = vec![false; self.rows.len()];
+        let mut mirrored = vec![false; self.rows.len()];
+        let (mut dropped, mut different, mut largest) = (0usize, 0usize, 0.0f64);
+        for index in 0..self.rows.len() {
+            let Some((key, side)) = pair_of(&self.rows[index]) else { continue };
+            let own_image = key[0] == key[1];
+            let Some(rows) = pairs.get(&key) else { continue };
+            let candidates = rows[if own_image { 0 } else { 1 - side }].iter().copied();
+            let closest = candidates
+                .filter(|&other| other < index && !taken[other] && !mirrored[other])
+                .map(|other| (self.mismatch(index, other), other))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((mismatch, other)) = closest else { continue };
+            if mismatch <= MIRRORED || (listed_twice && !own_image) {
+                (taken[other], mirrored[index]) = (true, true);
+                dropped += 1;
+                different += usize::from(mismatch > MIRRORED);
+                largest = largest.max(mismatch);
+            }
+        }
+        if dropped > 0 {
+            self.warnings.push(if listed_twice {
+                "pairs are listed twice, once from either side: each is taken once".into()
+            } else {
+                format!("{dropped} pairs are listed from both sides with mirrored forces: each is taken once")
+            });
+        }
+        if different > 0 {
+            self.warnings.push(format!(
+                "the two lines of {different} pairs do not mirror each other, by up to {largest:.1e} of the force: the \
+                 first is taken"
+            ));
+        }
+        mirrored
+    }
+
+    /// How far two forces are from being opposite, as a part of the larger.
+    fn mismatch(&self, a: usize, b: usize) -> f64 {
+        let (a, b) = (self.rows[a].force, self.rows[b].force);
+        let scale = length(a).max(length(b));
+        if scale == 0.0 { 0.0 } else { length(sum(a, b)) / scale }
+    }
+}
+
+/// The two particles of a pair in rising order, and whether the row has them the other way round.
+fn pair_of(row: &Row) -> Option<([u32; 2], usize)> {
+    let Partner::Particle(partner) = row.partner else { return None };
+    let (low, high) = (row.particle.min(partner), row.particle.max(partner));
+    Some(([low, high], usize::from(row.particle > partner)))
+}
+
+fn sum(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+pub(crate) fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}

@@ -1,0 +1,64 @@
+use crate::Scene;
+
+/// Particles that are looked at.
+const SAMPLE: usize = 256;
+
+/// What looks wrong about the spacing or the dimension, as sentences for the user; empty where nothing does.
+///
+/// A spacing that is wrong by an order of magnitude makes all particles inner ones, or all isolated, and nothing fails:
+/// so the typical distance of nearest neighbours among 256 particles is compared with it. Two-dimensional data in
+/// three dimensions, where every particle is on the free surface, is noticed by one coordinate being constant.
+pub fn implausibilities(scene: &Scene<'_>) -> Vec<String> {
+    let grid = scene.grid;
+    let mut findings = Vec::new();
+    if grid.len() < 2 {
+        return findings;
+    }
+    let [x, y, z] = grid.sorted_positions();
+    let stride = grid.len().div_ceil(SAMPLE);
+    let mut nearest: Vec<f64> = (0..grid.len())
+        .step_by(stride)
+        .map(|particle| {
+            let mut least = f64::INFINITY;
+            // The reach is the grid's own, and the particle exists.
+            let searched = grid.for_each_neighbour(particle, grid.reach(), |_, _, squared| {
+                if squared > 0.0 && squared < least {
+                    least = squared;
+                }
+            });
+            if searched.is_ok() { least.sqrt() } else { f64::INFINITY }
+        })
+        .collect();
+    nearest.sort_unstable_by(f64::total_cmp);
+    let typical = nearest[nearest.len() / 2];
+    let spacing = scene.spacing;
+    if typical.is_infinite() {
+        findings.push(format!(
+            "most particles have no neighbour within {}: the spacing {spacing} is too small, or the particles are spray",
+            grid.reach()
+        ));
+    } else if typical < spacing / 3.0 {
+        findings.push(format!(
+            "nearest neighbours are typically {typical:.3e} apart, but the spacing is {spacing}: labels will be too few and \
+             slow; check the spacing and its unit"
+        ));
+    } else if typical > 1.9 * spacing {
+        findings.push(format!(
+            "nearest neighbours are typically {typical:.3e} apart, but the spacing is {spacing}: inner particles will be \
+             taken for free-surface ones; check the spacing and its unit"
+        ));
+    }
+    if grid.dimension() == 3 && grid.len() > 3 {
+        for (name, values) in [("x", x), ("y", y), ("z", z)] {
+            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if most - least < 1e-6 * spacing {
+                findings.push(format!(
+                    "all particles have {name} = {least}: in three dimensions every one of them is on the free surface; \
+                     use dimension 2 (with z as the constant coordinate)"
+                ));
+            }
+        }
+    }
+    findings
+}
