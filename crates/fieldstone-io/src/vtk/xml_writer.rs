@@ -78,10 +78,7 @@ impl<'a> XmlFile<'a> {
     /// Adds a text: VTK wants the codes of its bytes, and a zero after them.
     fn string(&mut self, name: &str, content: &str) {
         let name = escape(name);
-        let _ = write!(
-            self.text,
-            "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">\n"
-        );
+        let _ = write!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">\n");
         for (k, byte) in content.bytes().chain([0]).enumerate() {
             let _ = write!(self.text, "{}{byte}", if k % 32 == 0 && k > 0 { "\n" } else { " " });
         }
@@ -143,7 +140,8 @@ impl<'a> XmlFile<'a> {
                 ));
             }
             let mut shape = format!(" NumberOfComponents=\"{}\"", array.components);
-            let names = component_names.iter().find(|(name, _)| *name == array.name).map_or(&[][..], |(_, names)| *names);
+            let names =
+                component_names.iter().find(|(name, _)| *name == array.name).map_or(&[][..], |(_, names)| *names);
             for (k, name) in names.iter().enumerate().filter(|_| names.len() == array.components) {
                 let _ = write!(shape, " ComponentName{k}=\"{}\"", escape(name.as_str()));
             }

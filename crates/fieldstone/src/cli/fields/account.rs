@@ -9,6 +9,18 @@ use serde::Serialize;
 
 use crate::cli::report::number;
 
+/// What has been seen of the frames themselves.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    pub frames: usize,
+    /// Particles of the last frame.
+    pub particles: usize,
+    /// Contacts of the last frame.
+    pub contacts: Option<usize>,
+    /// Of the worst cell of the worst frame.
+    pub balance: Option<f64>,
+}
+
 /// The account of a run: means over its results.
 #[derive(Debug, Default)]
 pub(super) struct Account {
@@ -16,14 +28,12 @@ pub(super) struct Account {
     results: usize,
     /// Σ of boundary forces over cells, and whether the field was there.
     boundary_force: Option<[f64; 3]>,
+    pub seen: Seen,
     pub cells: usize,
-    pub frames: usize,
-    pub particles: usize,
-    pub contacts: Option<usize>,
-    /// Of the worst cell of the worst frame.
-    pub balance: Option<f64>,
     pub gravity: Option<[f64; 3]>,
     pub sign: &'static str,
+    /// Whether cells see particles by kernels at points, which conserve nothing.
+    pub sampled: bool,
 }
 
 /// Keys in the order in which they are written.
@@ -45,11 +55,6 @@ struct Json {
 }
 
 impl Account {
-    /// Nothing yet, on so many cells.
-    pub fn new(cells: usize, gravity: Option<[f64; 3]>) -> Self {
-        Self { cells, gravity, ..Self::default() }
-    }
-
     /// Adds a result.
     pub fn add(&mut self, fields: &Fields, volume: impl Fn(usize) -> f64) {
         let l = &fields.ledger;
@@ -69,11 +74,6 @@ impl Account {
             }
         }
         self.results += 1;
-    }
-
-    /// These results, with what has been seen of the frames.
-    pub fn with(self, seen: Self, sign: &'static str) -> Self {
-        Self { sum: self.sum, results: self.results, boundary_force: self.boundary_force, sign, ..seen }
     }
 
     fn mean(&self) -> CoarseGrainingLedger {
@@ -102,11 +102,11 @@ impl Account {
             momentum_binned: l.momentum_binned,
             stress_sum_contacts: l.stress_sum_contacts,
             stress_sum_fields: l.stress_sum_fields,
-            balance_residual: self.balance,
-            frames: self.frames,
+            balance_residual: self.seen.balance,
+            frames: self.seen.frames,
             seconds,
-            particles: self.particles,
-            contacts: self.contacts.unwrap_or(0),
+            particles: self.seen.particles,
+            contacts: self.seen.contacts.unwrap_or(0),
             cells: self.cells,
         };
         let text = serde_json::to_string_pretty(&json)?;
@@ -122,18 +122,19 @@ impl Account {
             let _ = writeln!(text, "{name:<20} {value}");
         };
         let share = |part: f64| if l.mass_in > 0.0 { 100.0 * part / l.mass_in } else { 0.0 };
-        line("frames", self.frames.to_string());
-        line("particles", self.particles.to_string());
-        if let Some(contacts) = self.contacts {
+        line("frames", self.seen.frames.to_string());
+        line("particles", self.seen.particles.to_string());
+        if let Some(contacts) = self.seen.contacts {
             line("contacts", contacts.to_string());
         }
         line("cells", self.cells.to_string());
         line("mass", short(l.mass_in));
         line("mass binned", format!("{}  ({:.4} %)", short(l.mass_binned), share(l.mass_binned)));
-        line("mass clipped", format!("{}  ({:.4} %, outside the cells)", short(l.mass_clipped), share(l.mass_clipped)));
+        let why = if self.sampled { "missed by the sampled kernel" } else { "outside the cells" };
+        line("mass clipped", format!("{}  ({:.4} %, {why})", short(l.mass_clipped), share(l.mass_clipped)));
         line("momentum", vector(&l.momentum_in));
         line("momentum binned", vector(&l.momentum_binned));
-        if self.contacts.is_some() {
+        if self.seen.contacts.is_some() {
             let rows = |s: &[f64; 9]| format!("{}  {}  {}", vector(&s[..3]), vector(&s[3..6]), vector(&s[6..]));
             line("Σ f ⊗ l, contacts", rows(&l.stress_sum_contacts));
             line("Σ σ V, cells", rows(&l.stress_sum_fields));
@@ -146,7 +147,7 @@ impl Account {
         if let Some(g) = self.gravity {
             line("weight", vector(&g.map(|g| g * l.mass_in)));
         }
-        if let Some(balance) = self.balance {
+        if let Some(balance) = self.seen.balance {
             line("balance residual", format!("{balance:.1e}  (worst cell, over the largest contact force)"));
         }
         text

@@ -81,7 +81,9 @@ fn grid(settings: &Settings, name: &str, first: &Particles) -> anyhow::Result<Gr
     };
     let resolved: Vec<usize> = (0..3).filter(|&k| coordinates.resolved()[k]).collect();
     let mut cells = [1; 3];
-    for (&axis, n) in resolved.iter().zip(counts(settings, &resolved.iter().map(|&k| ["x", "y", "z"][k]).collect::<Vec<_>>())?) {
+    for (&axis, n) in
+        resolved.iter().zip(counts(settings, &resolved.iter().map(|&k| ["x", "y", "z"][k]).collect::<Vec<_>>())?)
+    {
         cells[axis] = n;
     }
     Grid::resolving(low, high, cells, coordinates).map_err(|e| anyhow!("--grid, --cells: {e}"))
@@ -102,7 +104,9 @@ fn counts(settings: &Settings, names: &[&str]) -> anyhow::Result<Vec<usize>> {
             };
             Ok(names.iter().map(along).collect())
         }
-        Some(list) => bail!("--cells: {} numbers were found; give one, or one for each of {}", list.len(), names.join(", ")),
+        Some(list) => {
+            bail!("--cells: {} numbers were found; give one, or one for each of {}", list.len(), names.join(", "))
+        }
         None => bail!("give the cells: --mesh MESH, or --cells N for a grid over the box (or over --grid)"),
     }
 }
@@ -123,7 +127,8 @@ fn cylinder(settings: &Settings, name: &str, first: &Particles) -> anyhow::Resul
     let [r0, r1, z0, z1] = match &settings.grid {
         Some(bounds) => bounds.exactly("grid")?,
         None => {
-            let radius = across.map(|k| (high[k] - origin[k]).min(origin[k] - low[k])).into_iter().fold(f64::MAX, f64::min);
+            let radius =
+                across.map(|k| (high[k] - origin[k]).min(origin[k] - low[k])).into_iter().fold(f64::MAX, f64::min);
             [0.0, radius, low[axis] - origin[axis], high[axis] - origin[axis]]
         }
     };

@@ -90,17 +90,19 @@ impl FromArgMatches for ContactSources {
         let misplaced = |option: &str, why: &str| {
             Error::raw(ErrorKind::ArgumentConflict, format!("--{option} {why}; it belongs after its --contacts\n"))
         };
-        let mut assign = |at: usize, option: &str, set: &mut dyn FnMut(&mut ContactSource)| {
-            match sources.iter_mut().rev().find(|(place, _)| *place < at) {
-                Some((_, source)) if source.preset.is_some() || source.columns.is_some() => {
-                    Err(misplaced(option, "says a second time what the columns of one file are"))
-                }
-                Some((_, source)) => {
-                    set(source);
-                    Ok(())
-                }
-                None => Err(misplaced(option, "has no --contacts before it")),
+        let mut assign = |at: usize, option: &str, set: &mut dyn FnMut(&mut ContactSource)| match sources
+            .iter_mut()
+            .rev()
+            .find(|(place, _)| *place < at)
+        {
+            Some((_, source)) if source.preset.is_some() || source.columns.is_some() => {
+                Err(misplaced(option, "says a second time what the columns of one file are"))
             }
+            Some((_, source)) => {
+                set(source);
+                Ok(())
+            }
+            None => Err(misplaced(option, "has no --contacts before it")),
         };
         let presets = matches.get_many::<ContactPreset>(PRESET).into_iter().flatten();
         for (at, &preset) in placed(PRESET).into_iter().zip(presets) {

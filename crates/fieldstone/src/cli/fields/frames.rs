@@ -45,7 +45,10 @@ impl Frame {
         if let Some(column) = &settings.mass_column {
             let found = particles.quantity(column).map_err(|e| anyhow!("--mass-column: {name}: {e}"))?;
             if found.components != 1 {
-                bail!("--mass-column {column}: {name}: the column has {} numbers per particle; one is needed", found.components);
+                bail!(
+                    "--mass-column {column}: {name}: the column has {} numbers per particle; one is needed",
+                    found.components
+                );
             }
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;

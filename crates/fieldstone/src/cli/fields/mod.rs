@@ -27,7 +27,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::Periodic;
 use super::{outputs, report};
-use account::Account;
+use account::{Account, Seen};
 use cells::CellSet;
 use frames::{Frame, Outcome, OverTime, compute, time_of, with_displacements};
 pub(crate) use names::mercury_name;
@@ -89,10 +89,8 @@ impl<'a> Run<'a> {
     fn new(settings: &'a Settings, config: Option<&Path>) -> anyhow::Result<Self> {
         let particles = settings.particles.as_deref().ok_or_else(|| anyhow!("give the particles: --particles FILE"))?;
         let out = settings.out.as_deref().ok_or_else(|| anyhow!("give the result's name: --out OUT"))?;
-        let cylindrical = matches!(
-            settings.coordinates.as_deref().map(str::to_ascii_uppercase).as_deref(),
-            Some("R" | "RZ" | "RTZ")
-        );
+        let cylindrical =
+            matches!(settings.coordinates.as_deref().map(str::to_ascii_uppercase).as_deref(), Some("R" | "RZ" | "RTZ"));
         let kind = match (&settings.mesh, cylindrical) {
             (Some(_), _) => CellKind::Mesh,
             (None, true) => CellKind::Cylinder,
@@ -137,7 +135,9 @@ impl<'a> Run<'a> {
         let function = match settings.function.unwrap_or(FunctionName::Overlap(Method::Kernel)) {
             FunctionName::Overlap(method) => {
                 if settings.width.is_some() || settings.cutoff.is_some() || settings.conserve == Some(true) {
-                    bail!("--width, --cutoff and --conserve go with kernels: --function gauss, lucy, heaviside or linear");
+                    bail!(
+                        "--width, --cutoff and --conserve go with kernels: --function gauss, lucy, heaviside or linear"
+                    );
                 }
                 Function::Overlap(method)
             }
@@ -149,8 +149,8 @@ impl<'a> Run<'a> {
                 Function::Kernel(Kernel::new(shape, width, cutoff).map_err(|e| anyhow!("--width, --cutoff: {e}"))?)
             }
         };
-        let mut fields =
-            FieldName::parse_list(settings.fields.as_deref().unwrap_or("standard")).map_err(|e| anyhow!("--fields: {e}"))?;
+        let mut fields = FieldName::parse_list(settings.fields.as_deref().unwrap_or("standard"))
+            .map_err(|e| anyhow!("--fields: {e}"))?;
         if settings.fields.is_none() && self.contacts.is_empty() {
             fields.retain(|field| !field.needs_contacts());
         }
@@ -194,8 +194,7 @@ impl<'a> Run<'a> {
     }
 
     fn series(&self, with_contacts: bool) -> Series {
-        let options =
-            ParticleOptions { allow_non_spherical: self.settings.allow_non_spherical.unwrap_or(false) };
+        let options = ParticleOptions { allow_non_spherical: self.settings.allow_non_spherical.unwrap_or(false) };
         let series = Series::new(self.files.clone(), options).with_range(self.range);
         let contacts = self.contacts.iter().filter(|_| with_contacts).cloned();
         contacts.fold(series, Series::with_contacts)
@@ -280,9 +279,10 @@ impl<'a> Run<'a> {
         let width = self.settings.width.unwrap_or(0.0);
         let echo = format!("{}{}", self.settings.echo()?, self.legend());
         let mut writer = Writer::new(self.out, self.format, job.cells, echo, width)?;
-        let bar = ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
+        let bar =
+            ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
         bar.enable_steady_tick(Duration::from_millis(200));
-        let seen = RefCell::new(Account::new(job.cells.count(), self.gravity));
+        let seen = RefCell::new(Seen::default());
         let changed = Cell::new(false);
         let first_box = job.first.particles.domain().copied();
         let settings = self.settings;
@@ -322,8 +322,12 @@ impl<'a> Run<'a> {
         if changed.get() && domain.is_some() {
             report::warn("the box changes between frames: periodic images are those of the first frame's box");
         }
-        let sign = if settings.sign == Some(Sign::Tension) { "tension" } else { "compression" };
-        Ok(results.with(seen.into_inner(), sign))
+        results.seen = seen.into_inner();
+        results.cells = job.cells.count();
+        results.gravity = self.gravity;
+        results.sign = if settings.sign == Some(Sign::Tension) { "tension" } else { "compression" };
+        results.sampled = matches!(self.options.function, Function::Kernel(_)) && !self.options.conserve;
+        Ok(results)
     }
 
     /// The user's quantities, with whole columns of the first frame taken apart into components.

@@ -20,8 +20,15 @@ mod tests {
     fn the_standard_fields_have_the_names_that_mercury_writes() {
         let names: Vec<String> =
             fieldstone::fields::FieldName::standard().iter().map(|field| mercury_name(field.name())).collect();
-        let theirs =
-            ["VolumeFraction", "Density", "Momentum", "MomentumFlux", "ContactStress", "InteractionForce", "ParticleSize"];
+        let theirs = [
+            "VolumeFraction",
+            "Density",
+            "Momentum",
+            "MomentumFlux",
+            "ContactStress",
+            "InteractionForce",
+            "ParticleSize",
+        ];
         assert_eq!(names, theirs);
     }
 }

@@ -180,10 +180,8 @@ fn volumes(cells: &CellSet) -> Vec<f64> {
 
 fn write_vtk(path: &Path, cells: &CellSet, outcome: &Outcome, echo: &str) -> anyhow::Result<()> {
     let fields = &outcome.fields.fields;
-    let mut data: Vec<DataArray> = fields
-        .iter()
-        .map(|field| DataArray::floats(&field.name, field.components.len(), field.data.clone()))
-        .collect();
+    let mut data: Vec<DataArray> =
+        fields.iter().map(|field| DataArray::floats(&field.name, field.components.len(), field.data.clone())).collect();
     data.push(DataArray::scalar("cell_volume", volumes(cells)));
     let names: Vec<(&str, &[String])> = fields
         .iter()

@@ -121,7 +121,8 @@ impl Plot {
         let at = plotted.components.iter().position(|component| component == name);
         at.map(Shown::Component).ok_or_else(|| {
             let names = plotted.components.join(", ");
-            let found = if names.is_empty() { "it is a scalar".into() } else { format!("there are {names} and magnitude") };
+            let found =
+                if names.is_empty() { "it is a scalar".into() } else { format!("there are {names} and magnitude") };
             anyhow!("--component {name}: {} has no such component; {found}", self.field)
         })
     }
@@ -140,14 +141,18 @@ impl Plot {
             None if plotted.components.len() == 1 => Shown::Component(0),
             None => Shown::Magnitude,
         };
-        let value = |cell: usize| value_of(plotted, cell, &shown);
-        let (mut picture, name, at) = match &plotted.places {
+        // Where nothing is, a mean of nothing is no value.
+        let density = plotted.density.as_ref().filter(|_| is_per_mass(&self.field));
+        let value = |cell: usize| density.is_none_or(|rho| rho[cell] > 0.0).then(|| value_of(plotted, cell, &shown));
+        let (mut picture, name) = match &plotted.places {
             Places::Lattice(lattice) => {
                 let (axis, at) = self.plane(lattice)?;
                 let (picture, middle) = SlicePicture::of_lattice(lattice, axis, at, value)?;
                 let averaged = lattice.counts()[axis] == 1;
-                let place = if averaged { String::new() } else { format!(", {} = {middle:.4}", lattice.names[axis]) };
-                (picture, place, middle)
+                let edges = &lattice.edges[axis];
+                let middle = canvas::tick(middle, [edges[0], edges[edges.len() - 1]]);
+                let place = if averaged { String::new() } else { format!(", {} = {middle}", lattice.names[axis]) };
+                (picture, place)
             }
             Places::Mesh(mesh) => {
                 let (low, high) = mesh.bounds();
@@ -156,10 +161,9 @@ impl Plot {
                     None => (1, 0.5 * (low[1] + high[1])),
                 };
                 let picture = SlicePicture::of_mesh(mesh, axis, at, value)?;
-                (picture, format!(", {} = {at:.4}", ["x", "y", "z"][axis]), at)
+                (picture, format!(", {} = {}", ["x", "y", "z"][axis], canvas::tick(at, [low[axis], high[axis]])))
             }
         };
-        let _ = at;
         picture.title = format!("{}{name}", self.label(&shown, plotted));
         Ok(picture)
     }
@@ -184,9 +188,8 @@ impl Plot {
         let density = plotted.density.as_ref().filter(|_| by_mass);
         let weight = |cell: usize| plotted.volumes[cell] * density.map_or(1.0, |density| density[cell]);
         let lines = shown.iter().map(|shown| {
-            let cells = (bins.iter().enumerate()).filter_map(|(cell, bin)| {
-                Some((((*bin)?), weight(cell), value_of(plotted, cell, shown)))
-            });
+            let cells = (bins.iter().enumerate())
+                .filter_map(|(cell, bin)| Some((((*bin)?), weight(cell), value_of(plotted, cell, shown))));
             (self.label(shown, plotted), means(at.len(), cells))
         });
         let field = self.field.replace('_', " ");
@@ -220,9 +223,8 @@ impl Plot {
         let centres: Vec<[f64; 3]> = match &plotted.places {
             Places::Mesh(mesh) => (0..count).map(|cell| mesh.cell_centre(cell)).collect(),
             Places::Lattice(lattice) if lattice.names[0] == "x" => {
-                let (n, middle) = (lattice.counts(), |k: usize, i: usize| {
-                    0.5 * (lattice.edges[k][i] + lattice.edges[k][i + 1])
-                });
+                let (n, middle) =
+                    (lattice.counts(), |k: usize, i: usize| 0.5 * (lattice.edges[k][i] + lattice.edges[k][i + 1]));
                 let mut centres = vec![[f64::NAN; 3]; count];
                 for (place, cell) in lattice.cells.iter().enumerate() {
                     if let Some(cell) = cell {
@@ -280,6 +282,7 @@ fn value_of(plotted: &Plotted, cell: usize, shown: &Shown) -> f64 {
 
 /// Whether a field is a quotient by the density.
 fn is_per_mass(field: &str) -> bool {
-    let known = FieldName::ALL.iter().find(|known| known.name() == field || super::fields::mercury_name(known.name()) == field);
+    let known =
+        FieldName::ALL.iter().find(|known| known.name() == field || super::fields::mercury_name(known.name()) == field);
     matches!(known, Some(FieldName::Velocity | FieldName::GranularTemperature | FieldName::Displacement))
 }

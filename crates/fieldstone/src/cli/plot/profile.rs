@@ -86,11 +86,16 @@ impl Painting for ProfilePicture {
             let points: Vec<(f64, f64)> = (self.at.iter().zip(line))
                 .filter_map(|(&at, value)| value.map(|v| if self.upright { (v, at) } else { (at, v) }))
                 .collect();
-            if points.len() <= 80 {
+            if points.len() <= 80 && k < COLOURS.len() {
                 chart.draw_series(points.iter().map(|&p| Circle::new(p, 3, style))).map_err(|e| failed(&e))?;
             }
-            chart
-                .draw_series(LineSeries::new(points, style))
+            // Colours come again after seven lines, dashed.
+            let series = if k < COLOURS.len() {
+                chart.draw_series(LineSeries::new(points, style))
+            } else {
+                chart.draw_series(DashedLineSeries::new(points, 8, 6, style))
+            };
+            series
                 .map_err(|e| failed(&e))?
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));

@@ -34,11 +34,16 @@ impl SlicePicture {
         lattice: &Lattice,
         axis: usize,
         at: f64,
-        value: impl Fn(usize) -> f64,
+        value: impl Fn(usize) -> Option<f64>,
     ) -> anyhow::Result<(Self, f64)> {
         let Some(layer) = lattice.interval(axis, at) else {
             let edges = &lattice.edges[axis];
-            bail!("--slice {}={at}: the cells reach from {} to {}", lattice.names[axis], edges[0], edges[edges.len() - 1])
+            bail!(
+                "--slice {}={at}: the cells reach from {} to {}",
+                lattice.names[axis],
+                edges[0],
+                edges[edges.len() - 1]
+            )
         };
         let [right, up] = others(axis);
         let n = lattice.counts();
@@ -47,7 +52,7 @@ impl SlicePicture {
             for column in 0..n[right] {
                 let mut place = [0; 3];
                 (place[axis], place[right], place[up]) = (layer, column, row);
-                values.push(lattice.cell(place).map(|cell| value(cell as usize)));
+                values.push(lattice.cell(place).and_then(|cell| value(cell as usize)));
             }
         }
         let edges = [right, up].map(|k| lattice.edges[k].clone());
@@ -57,7 +62,7 @@ impl SlicePicture {
     }
 
     /// The plane through a mesh, sampled.
-    pub fn of_mesh(mesh: &Mesh, axis: usize, at: f64, value: impl Fn(usize) -> f64) -> anyhow::Result<Self> {
+    pub fn of_mesh(mesh: &Mesh, axis: usize, at: f64, value: impl Fn(usize) -> Option<f64>) -> anyhow::Result<Self> {
         let (low, high) = mesh.bounds();
         if !(at >= low[axis] && at <= high[axis]) {
             bail!("--slice {}={at}: the mesh reaches from {} to {}", ["x", "y", "z"][axis], low[axis], high[axis]);
@@ -76,7 +81,7 @@ impl SlicePicture {
             for x in edges[0].windows(2) {
                 let mut point = [at; 3];
                 (point[right], point[up]) = (0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]));
-                values.push(mesh.locate(point, &mut scratch).map(|cell| value(cell as usize)));
+                values.push(mesh.locate(point, &mut scratch).and_then(|cell| value(cell as usize)));
             }
         }
         let names = [right, up].map(|k| ["x", "y", "z"][k].to_string());
@@ -170,10 +175,8 @@ impl Painting for SlicePicture {
             for run in colours.chunk_by(|a, b| a == b) {
                 let last = first + run.len();
                 if let Some(colour) = run[0] {
-                    let corners = [
-                        (self.edges[0][first], self.edges[1][row]),
-                        (self.edges[0][last], self.edges[1][row + 1]),
-                    ];
+                    let corners =
+                        [(self.edges[0][first], self.edges[1][row]), (self.edges[0][last], self.edges[1][row + 1])];
                     rectangles.push(Rectangle::new(corners, colour.filled()));
                 }
                 first = last;
