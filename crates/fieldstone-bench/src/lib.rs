@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `cargo run --release -p fieldstone-bench --bin pairs` | nanoseconds per partially overlapping pair, kernel against decomposition |
 //! | `cargo run --release -p fieldstone-bench --bin jobs` | whole jobs: balls in meshes, 1 and 2 threads |
+//! | `cargo run --release -p fieldstone-bench --bin fields` | coarse graining: the 29 standard fields on grids |
 //! | `cargo bench -p fieldstone-bench` | the same operations under criterion, to compare two versions of the code |
 //!
 //! Times on a shared machine wander by tens of percent, so the two binaries take turns between the rivals and

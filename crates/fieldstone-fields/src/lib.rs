@@ -3,6 +3,10 @@
 //! [`Weights`] holds the volume that each particle has in each cell, exactly ([`Method::Kernel`]) or by one of
 //! the approximations in use elsewhere ([`Method`]); [`solid_fraction`] turns it into solid volume, solid
 //! fraction and void fraction, and accounts for every bit of volume in a [`Ledger`].
+//!
+//! [`CoarseGraining`] makes continuum fields of particles and their contacts ([`FieldName`] lists them), with exact
+//! weights or with a [`Kernel`]; [`contact_traction`] and [`solid_flux`] are what crosses the faces of cells, and close
+//! the balances of momentum and solid volume of each.
 
 mod binning;
 mod coarse_graining;

@@ -104,6 +104,33 @@ fn both_balances_hold_on_an_unstructured_mesh() {
 }
 
 #[test]
+fn a_lattice_with_its_centres_on_faces_is_balanced_as_well() {
+    // Spacing 0.1, which no binary fraction is; cells of the same size, planes through all centres.
+    let n = 6;
+    let at = |k: usize| 0.1 * k as f64;
+    let positions: Vec<[f64; 3]> = (0..n * n * n).map(|p| [p % n, p / n % n, p / (n * n)].map(at)).collect();
+    let mut contacts = fieldstone_particles::Contacts::new();
+    for p in 0..n * n * n {
+        for (axis, step) in [1, n, n * n].into_iter().enumerate() {
+            if p / step % n + 1 < n {
+                let branch: [f64; 3] = std::array::from_fn(|k| positions[p + step][k] - positions[p][k]);
+                let force = [0.3 + axis as f64, (p as f64).sin(), (p as f64).cos()];
+                let partner = fieldstone_particles::Partner::Particle((p + step) as u32);
+                let arm = branch.map(|b| 0.5 * b);
+                let contact = fieldstone_particles::Contact { particle: p as u32, partner, force, arm, branch };
+                contacts.push(positions.len(), contact).unwrap();
+            }
+        }
+    }
+    let particles = Particles::new(positions).unwrap();
+    for high in [at(n), 0.55] {
+        let grid = Grid::new([0.0; 3], [high; 3], [n; 3]).unwrap();
+        let traction = contact_traction(&grid, &particles, &contacts, None).unwrap();
+        assert!(traction.balance_residual < 1e-14, "{}", traction.balance_residual);
+    }
+}
+
+#[test]
 fn a_wall_pushes_through_the_boundary_of_the_cells_and_periodic_faces_carry_what_leaves() {
     let domain = Domain::new([0.0; 3], [2.0, 1.0, 1.0], [true, false, false]).unwrap();
     let grid = Grid::new([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).unwrap();

@@ -74,9 +74,10 @@ impl Faces for Grid {
 
     /// A walk from cell to cell: the planes between the two ends' indices in the order in which they are passed. It
     /// starts and ends where the ends are by construction.
-    fn for_each_crossing(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) {
+    fn for_each_crossing(&self, start: [f64; 3], end: [f64; 3], visit: &mut dyn FnMut(u32, f64)) {
+        let along: [f64; 3] = std::array::from_fn(|k| end[k] - start[k]);
         let mut at: [i64; 3] = std::array::from_fn(|k| self.index_along(k, start[k]));
-        let end: [i64; 3] = std::array::from_fn(|k| self.index_along(k, start[k] + along[k]));
+        let end: [i64; 3] = std::array::from_fn(|k| self.index_along(k, end[k]));
         if at == end {
             return;
         }
@@ -201,7 +202,8 @@ mod tests {
             let start: [f64; 3] = std::array::from_fn(|_| 4.0 * random() - 0.5);
             let along: [f64; 3] = std::array::from_fn(|_| 3.0 * random() - 1.5);
             let mut balance = vec![0.0; grid.cell_count()];
-            grid.for_each_crossing(start, along, &mut |face, way| {
+            let end = std::array::from_fn(|k| start[k] + along[k]);
+            grid.for_each_crossing(start, end, &mut |face, way| {
                 let [back, front] = grid.face_sides(face as usize);
                 back.into_iter().for_each(|c| balance[c as usize] -= way);
                 front.into_iter().for_each(|c| balance[c as usize] += way);
@@ -210,7 +212,6 @@ mod tests {
             if let Some(c) = grid.locate(start, &mut scratch) {
                 balance[c as usize] += 1.0;
             }
-            let end = std::array::from_fn(|k| start[k] + along[k]);
             if let Some(c) = grid.locate(end, &mut scratch) {
                 balance[c as usize] -= 1.0;
             }

@@ -1,9 +1,10 @@
-//! Cells that balls are binned into exactly: polyhedral meshes and Cartesian grids.
+//! Cells that balls are binned into exactly: polyhedral meshes, Cartesian and cylindrical grids.
 //!
 //! [`Mesh`] is OpenFOAM's idea: points, faces, owner, neighbour. Each face that is not planar is split once into
 //! triangles around its area-weighted centroid, so both its cells see one surface and nothing is lost between
 //! them; for each ball a face is evaluated once and counted with opposite signs on its two sides. [`Grid`] is a
-//! Cartesian grid with the closed form for boxes. Both implement [`Cells`].
+//! Cartesian grid with the closed form for boxes, [`CylinderGrid`] shells, rings and sectors around an axis. All
+//! implement [`Cells`]; meshes and Cartesian grids also [`Faces`].
 
 mod ball_overlap;
 mod cell_list;

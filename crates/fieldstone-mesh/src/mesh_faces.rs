@@ -20,8 +20,9 @@ impl Faces for Mesh {
 
     /// All corners are projected along the segment, each of them once and the same for all pieces that share it: a line
     /// that passes an edge within rounding is seen to pass exactly one of the two pieces.
-    fn for_each_crossing(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) {
-        let (start, along) = (DVec3::from(start), DVec3::from(along));
+    fn for_each_crossing(&self, start: [f64; 3], end: [f64; 3], visit: &mut dyn FnMut(u32, f64)) {
+        let (start, end) = (DVec3::from(start), DVec3::from(end));
+        let along = end - start;
         let length = along.length();
         if length == 0.0 {
             return;
@@ -29,7 +30,6 @@ impl Faces for Mesh {
         let ahead = along / length;
         let (u, v) = ahead.any_orthonormal_pair();
         let (u, v) = if u.cross(v).dot(ahead) > 0.0 { (u, v) } else { (v, u) };
-        let end = start + along;
         let mut faces = Vec::new();
         self.tree.query(&self.bounds, start.min(end), start.max(end), |cell| {
             faces.extend_from_slice(self.cell_faces(cell as usize));

@@ -21,7 +21,18 @@ pub(crate) struct Binning<'a, C: Cells> {
 }
 
 impl<'a, C: Cells> Binning<'a, C> {
+    /// Whether the method can do with these cells.
+    pub fn check(cells: &C, method: Method) -> Result<(), FieldsError> {
+        if matches!(method, Method::Decomposition | Method::Cube) && !cells.is_polyhedral() {
+            return Err(FieldsError::Combination {
+                what: "round cells have no planar faces: choose the exact kernel or points instead of decomposition or cubes",
+            });
+        }
+        Ok(())
+    }
+
     pub fn new(cells: &'a C, method: Method) -> Result<Self, FieldsError> {
+        Self::check(cells, method)?;
         let points = match method {
             Method::Divided => points::satellites(),
             Method::Sampled(n) => points::regular(n),

@@ -51,26 +51,16 @@ impl<C: Cells> Densities<'_, C> {
         each::<N>(out, |cell| self.get(part, cell, slot));
     }
 
-    /// Σ over cells of density × cell volume.
-    pub fn total<const N: usize>(&self, column: Column) -> [f64; N] {
-        let Some(slot) = self.layout.find(column) else { return [0.0; N] };
+    /// Adds density × cell volume × time of some cells to totals; nothing where the sum is not kept.
+    fn add_totals(&self, column: Column, part: &Part<'_>, totals: &mut [NeumaierSum]) {
+        let Some(slot) = self.layout.find(column) else { return };
         let sums = &self.sums[slot.group as usize];
         let per_cell = self.per_cell[slot.group as usize];
-        // Chunk by chunk, so that the result does not depend on the number of threads.
-        let parts: Vec<[NeumaierSum; N]> = sums
-            .values
-            .par_chunks(sums.columns * CHUNK)
-            .enumerate()
-            .map(|(chunk, part)| {
-                let mut totals = [NeumaierSum::default(); N];
-                for (k, sums) in part.chunks_exact(sums.columns).enumerate() {
-                    let scale = if per_cell { 1.0 } else { self.cells.cell_volume(chunk * CHUNK + k) };
-                    (0..N).for_each(|n| totals[n].add(sums[slot.start + n] * scale));
-                }
-                totals
-            })
-            .collect();
-        std::array::from_fn(|n| parts.iter().map(|part| part[n].value()).collect::<NeumaierSum>().value() / self.time)
+        for (k, scale) in part.scales.iter().enumerate() {
+            let volume = if per_cell { 1.0 } else { 1.0 / (scale * self.time) };
+            let sums = &sums.cell(part.first + k)[slot.start..];
+            totals.iter_mut().zip(sums).for_each(|(total, sum)| total.add(sum * volume));
+        }
     }
 
     /// u = j/ρ; nothing moves where there is no mass.
@@ -219,8 +209,8 @@ impl<C: Cells> Densities<'_, C> {
         }
     }
 
-    /// All fields, in one pass over the sums.
-    pub fn fields(&self, names: &[FieldName], quantities: &[UserQuantity]) -> Vec<Field> {
+    /// All fields and what the ledger states of them, in one pass over the sums.
+    pub fn fields(&self, names: &[FieldName], quantities: &[UserQuantity]) -> (Vec<Field>, Totals) {
         let count = self.cells.cell_count();
         let named = names.iter().map(|field| Field {
             name: field.name().into(),
@@ -244,21 +234,44 @@ impl<C: Cells> Densities<'_, C> {
             let width = field.components.len().max(1);
             parts.iter_mut().zip(field.data.chunks_mut(width * CHUNK)).for_each(|(part, data)| part.push(data));
         }
-        parts.into_par_iter().enumerate().for_each(|(chunk, outputs)| {
-            let first = chunk * CHUNK;
-            let scales: Vec<f64> = (first..(first + CHUNK).min(count))
-                .map(|cell| 1.0 / (self.cells.cell_volume(cell) * self.time))
-                .collect();
-            let part = Part { first, scales: &scales };
-            for (k, out) in outputs.into_iter().enumerate() {
-                match names.get(k) {
-                    Some(&field) => self.fill(field, &part, out),
-                    None => self.fill_user(k - names.len(), &quantities[k - names.len()], &part, out),
+        let totals: Vec<[NeumaierSum; 13]> = parts
+            .into_par_iter()
+            .enumerate()
+            .map(|(chunk, outputs)| {
+                let first = chunk * CHUNK;
+                let scales: Vec<f64> = (first..(first + CHUNK).min(count))
+                    .map(|cell| 1.0 / (self.cells.cell_volume(cell) * self.time))
+                    .collect();
+                let part = Part { first, scales: &scales };
+                for (k, out) in outputs.into_iter().enumerate() {
+                    match names.get(k) {
+                        Some(&field) => self.fill(field, &part, out),
+                        None => self.fill_user(k - names.len(), &quantities[k - names.len()], &part, out),
+                    }
                 }
-            }
-        });
-        fields
+                let mut totals = [NeumaierSum::default(); 13];
+                self.add_totals(Column::Mass, &part, &mut totals[..1]);
+                self.add_totals(Column::Momentum, &part, &mut totals[1..4]);
+                self.add_totals(Column::Stress, &part, &mut totals[4..]);
+                totals
+            })
+            .collect();
+        // Chunk by chunk, so that the sums do not depend on the number of threads.
+        let total = |k: usize| totals.iter().map(|t| t[k].value()).collect::<NeumaierSum>().value() / self.time;
+        let totals = Totals {
+            mass: total(0),
+            momentum: std::array::from_fn(|k| total(1 + k)),
+            stress: std::array::from_fn(|k| total(4 + k)),
+        };
+        (fields, totals)
     }
+}
+
+/// Sums over all cells of density × cell volume.
+pub(super) struct Totals {
+    pub mass: f64,
+    pub momentum: [f64; 3],
+    pub stress: [f64; 9],
 }
 
 #[inline]

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
-use crate::{FieldsError, Method, NeumaierSum};
+use crate::{FieldsError, NeumaierSum};
 
 use crate::periodic::Periods;
 use derive::Densities;
@@ -112,11 +112,12 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     /// Options out of range or that do not go together.
     pub fn new(cells: &'a C, options: CoarseGrainingOptions) -> Result<Self, FieldsError> {
         options.validate()?;
-        let planar = matches!(options.function, Function::Overlap(Method::Decomposition | Method::Cube))
-            || options.fields.contains(&FieldName::MomentumWithSpin);
-        if planar && !cells.is_polyhedral() {
+        if let Function::Overlap(method) = options.function {
+            Binning::check(cells, method)?;
+        }
+        if options.fields.contains(&FieldName::MomentumWithSpin) && !cells.is_polyhedral() {
             return Err(FieldsError::Combination {
-                what: "round cells have no planar faces: choose the exact kernel, and leave out the momentum with spin",
+                what: "the momentum of spinning spheres needs cells with planar faces; leave it out on round ones",
             });
         }
         let layout = Layout::new(&options);
@@ -404,17 +405,16 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             time: self.time,
             sign: self.options.sign,
         };
-        let fields = densities.fields(&self.options.fields, &self.options.quantities);
+        let (fields, binned) = densities.fields(&self.options.fields, &self.options.quantities);
         let mean = |sum: &NeumaierSum| sum.value() / self.time;
-        let [mass_binned] = densities.total::<1>(Column::Mass);
         let ledger = CoarseGrainingLedger {
             mass_in: mean(&self.totals.mass),
-            mass_binned,
+            mass_binned: binned.mass,
             mass_clipped: mean(&self.totals.clipped),
             momentum_in: std::array::from_fn(|k| mean(&self.totals.momentum[k])),
-            momentum_binned: densities.total(Column::Momentum),
+            momentum_binned: binned.momentum,
             stress_sum_contacts: std::array::from_fn(|k| mean(&self.totals.stress[k])),
-            stress_sum_fields: densities.total(Column::Stress),
+            stress_sum_fields: binned.stress,
             ..self.ledger
         };
         Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })

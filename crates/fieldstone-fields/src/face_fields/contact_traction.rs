@@ -49,7 +49,7 @@ pub struct ContactTraction {
 /// # Errors
 /// A contact of a particle that there is not.
 ///
-/// Source: derived here, after the definition of stress by `cauchy1828`: the force across a plane.
+/// Source: derived here; the force across a surface is what Cauchy defined stress by.
 ///
 /// ```
 /// use fieldstone_fields::contact_traction;
@@ -96,15 +96,14 @@ pub fn contact_traction<C: Faces>(
                 for &index in block {
                     let contact = contacts.get(index);
                     let centre = positions[contact.particle as usize];
-                    let from: [f64; 3] = std::array::from_fn(|k| centre[k] + contact.branch[k]);
+                    let from = other_end(centre, contact.branch, contact.partner, positions);
                     let is_wall = matches!(contact.partner, Partner::Wall(_));
                     let low = std::array::from_fn(|k| centre[k].min(from[k]));
                     let high = std::array::from_fn(|k| centre[k].max(from[k]));
                     periods.for_each(low, high, |shift| {
                         let start: [f64; 3] = std::array::from_fn(|k| from[k] + shift[k]);
                         let end: [f64; 3] = std::array::from_fn(|k| centre[k] + shift[k]);
-                        let along = std::array::from_fn(|k| end[k] - start[k]);
-                        cells.for_each_crossing(start, along, &mut |face, way| {
+                        cells.for_each_crossing(start, end, &mut |face, way| {
                             through.push((face, contact.force.map(|f| way * f)));
                         });
                         if is_wall && let Some(cell) = cells.locate(start, scratch) {
@@ -140,4 +139,15 @@ pub fn contact_traction<C: Faces>(
     let scale = contacts.iter().map(|c| largest(&c.force)).fold(0.0, f64::max);
     let worst = residuals.iter().map(largest).fold(0.0, f64::max);
     Ok(ContactTraction { forces, residuals, balance_residual: if scale > 0.0 { worst / scale } else { 0.0 } })
+}
+
+/// Where a branch comes from: the partner's own position where it is there but for rounding, so that it is found in the
+/// cell that its centre is found in even if it lies on a face.
+fn other_end(centre: [f64; 3], branch: [f64; 3], partner: Partner, positions: &[[f64; 3]]) -> [f64; 3] {
+    let end: [f64; 3] = std::array::from_fn(|k| centre[k] + branch[k]);
+    let Partner::Particle(other) = partner else { return end };
+    let own = positions[other as usize];
+    let largest = |v: [f64; 3]| v.into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let apart = largest(std::array::from_fn(|k| end[k] - own[k]));
+    if apart <= 1e-9 * largest(branch) { own } else { end }
 }
