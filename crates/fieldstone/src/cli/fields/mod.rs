@@ -151,7 +151,7 @@ impl<'a> Run<'a> {
         };
         let mut fields = FieldName::parse_list(settings.fields.as_deref().unwrap_or("standard"))
             .map_err(|e| anyhow!("--fields: {e}"))?;
-        if settings.fields.is_none() && self.contacts.is_empty() {
+        if self.contacts.is_empty() && matches!(settings.fields.as_deref(), None | Some("all")) {
             fields.retain(|field| !field.needs_contacts());
         }
         if self.gravity.is_some() && !fields.contains(&FieldName::Density) {
@@ -233,6 +233,9 @@ impl<'a> Run<'a> {
         let first = Frame::new(self.settings, restart.as_ref(), first)?;
         first.particles.radii().map_err(|e| anyhow!("{}: {e}; give one for all with --radius", first.name))?;
         self.options.quantities = self.quantities(&first)?;
+        if self.settings.fields.as_deref() == Some("all") && first.particles.quantity("angular_velocity").is_err() {
+            self.options.fields.retain(|field| !needs_spin(*field));
+        }
         let cells = CellSet::new(self.settings, &first.particles, self.columns())?;
         let mut job = Job { cells: &cells, first, series: &mut series, restart: restart.as_ref(), over_time };
         let account = match &cells {
@@ -376,6 +379,10 @@ struct Job<'a> {
     series: &'a mut BackgroundSeries,
     restart: Option<&'a MercuryRestart>,
     over_time: OverTime,
+}
+
+fn needs_spin(field: FieldName) -> bool {
+    matches!(field, FieldName::AngularMomentum | FieldName::SpinDensity | FieldName::AngularVelocity)
 }
 
 /// ρ g, where the density is there.
