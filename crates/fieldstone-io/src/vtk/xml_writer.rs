@@ -78,7 +78,7 @@ impl<'a> XmlFile<'a> {
     /// Adds a text: VTK wants the codes of its bytes, and a zero after them.
     fn string(&mut self, name: &str, content: &str) {
         let name = escape(name);
-        let _ = write!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">\n");
+        let _ = writeln!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">");
         for (k, byte) in content.bytes().chain([0]).enumerate() {
             let _ = write!(self.text, "{}{byte}", if k % 32 == 0 && k > 0 { "\n" } else { " " });
         }

@@ -39,6 +39,8 @@ pub(crate) struct Cli {
         long,
         global = true,
         value_name = "N",
+        // Last in every list; else its place depends on how many subcommands there are.
+        display_order = 900,
         allow_negative_numbers = true,
         value_parser = clap::value_parser!(u16).range(1..=1024)
     )]
