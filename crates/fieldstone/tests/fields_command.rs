@@ -264,6 +264,20 @@ fn averaged_directions_cylinders_and_meshes_hold_the_same_mass() {
 }
 
 #[test]
+fn what_no_field_needs_is_not_said_to_be_zero() {
+    let folder = mercury();
+    let run = folder.succeeds(&format!("{MERCURY} --fields density --out d.vti --json d.json"));
+    assert!(!run.stdout.contains("momentum binned") && !run.stdout.contains("Σ σ V"), "{}", run.stdout);
+    let account = json(&folder, "d.json");
+    assert!(account["momentum_binned"].is_null() && account["stress_sum_fields"].is_null());
+    assert_eq!(numbers(&account["stress_sum_contacts"])[0], 2.0);
+    for how in ["lz4", "raw", "text"] {
+        folder.succeeds(&format!("{MERCURY} --fields density --encoding {how} --out {how}.vti"));
+        assert_eq!(column(&folder, "d.vti", "density"), column(&folder, &format!("{how}.vti"), "density"), "{how}");
+    }
+}
+
+#[test]
 fn gravity_species_and_displacements_are_at_hand() {
     let folder = mercury();
     let run = folder.succeeds(&format!("{MERCURY} --gravity 0,0,-2 --out g.vti"));

@@ -34,6 +34,9 @@ pub(super) struct Account {
     pub sign: &'static str,
     /// Whether cells see particles by kernels at points, which conserve nothing.
     pub sampled: bool,
+    /// Whether momenta and stresses are among the sums.
+    pub has_momentum: bool,
+    pub has_stress: bool,
 }
 
 /// Keys in the order in which they are written.
@@ -43,9 +46,11 @@ struct Json {
     mass_binned: f64,
     mass_clipped: f64,
     momentum_in: [f64; 3],
-    momentum_binned: [f64; 3],
+    /// Null where no field needs momenta.
+    momentum_binned: Option<[f64; 3]>,
     stress_sum_contacts: [f64; 9],
-    stress_sum_fields: [f64; 9],
+    /// Null where no field needs stresses.
+    stress_sum_fields: Option<[f64; 9]>,
     balance_residual: Option<f64>,
     frames: usize,
     seconds: f64,
@@ -99,9 +104,9 @@ impl Account {
             mass_binned: l.mass_binned,
             mass_clipped: l.mass_clipped,
             momentum_in: l.momentum_in,
-            momentum_binned: l.momentum_binned,
+            momentum_binned: self.has_momentum.then_some(l.momentum_binned),
             stress_sum_contacts: l.stress_sum_contacts,
-            stress_sum_fields: l.stress_sum_fields,
+            stress_sum_fields: self.has_stress.then_some(l.stress_sum_fields),
             balance_residual: self.seen.balance,
             frames: self.seen.frames,
             seconds,
@@ -133,11 +138,15 @@ impl Account {
         let why = if self.sampled { "missed by the sampled kernel" } else { "outside the cells" };
         line("mass clipped", format!("{}  ({:.4} %, {why})", short(l.mass_clipped), share(l.mass_clipped)));
         line("momentum", vector(&l.momentum_in));
-        line("momentum binned", vector(&l.momentum_binned));
+        if self.has_momentum {
+            line("momentum binned", vector(&l.momentum_binned));
+        }
         if self.seen.contacts.is_some() {
             let rows = |s: &[f64; 9]| format!("{}  {}  {}", vector(&s[..3]), vector(&s[3..6]), vector(&s[6..]));
             line("Σ f ⊗ l, contacts", rows(&l.stress_sum_contacts));
-            line("Σ σ V, cells", rows(&l.stress_sum_fields));
+            if self.has_stress {
+                line("Σ σ V, cells", rows(&l.stress_sum_fields));
+            }
             line("sign of stresses", format!("{} positive", self.sign));
         }
         if let Some(force) = &self.boundary_force {

@@ -279,9 +279,8 @@ impl<'a> Run<'a> {
             report::warn(&note);
         }
         self.options.domain = domain;
-        let width = self.settings.width.unwrap_or(0.0);
         let echo = format!("{}{}", self.settings.echo()?, self.legend());
-        let mut writer = Writer::new(self.out, self.format, job.cells, echo, width)?;
+        let mut writer = Writer::new(self.out, self.format, job.cells, echo, self.settings)?;
         let bar =
             ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
         bar.enable_steady_tick(Duration::from_millis(200));
@@ -329,6 +328,9 @@ impl<'a> Run<'a> {
         results.cells = job.cells.count();
         results.gravity = self.gravity;
         results.sign = if settings.sign == Some(Sign::Tension) { "tension" } else { "compression" };
+        let has = |needs: fn(FieldName) -> bool| self.options.fields.iter().any(|field| needs(*field));
+        results.has_momentum = has(needs_momentum);
+        results.has_stress = has(needs_stress);
         results.sampled = matches!(self.options.function, Function::Kernel(_)) && !self.options.conserve;
         Ok(results)
     }
@@ -383,6 +385,18 @@ struct Job<'a> {
 
 fn needs_spin(field: FieldName) -> bool {
     matches!(field, FieldName::AngularMomentum | FieldName::SpinDensity | FieldName::AngularVelocity)
+}
+
+fn needs_stress(field: FieldName) -> bool {
+    matches!(field, FieldName::ContactStress | FieldName::TotalStress | FieldName::Pressure)
+}
+
+fn needs_momentum(field: FieldName) -> bool {
+    use FieldName::*;
+    matches!(
+        field,
+        Momentum | Velocity | KineticStress | GranularTemperature | TotalStress | Pressure | MomentumWithSpin
+    )
 }
 
 /// ρ g, where the density is there.

@@ -11,6 +11,7 @@ use fieldstone::mesh::{Cells, Coordinates};
 use super::cells::CellSet;
 use super::frames::Outcome;
 use super::names::mercury_name;
+use super::settings::Settings;
 use crate::cli::arguments::ending;
 
 /// What kind of file is asked for.
@@ -67,6 +68,7 @@ pub(super) struct Writer<'a> {
     /// The settings that led here, as TOML.
     echo: String,
     width: f64,
+    encoding: VtkEncoding,
     state: State,
 }
 
@@ -77,7 +79,13 @@ enum State {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(path: &'a Path, format: Format, cells: &'a CellSet, echo: String, width: f64) -> anyhow::Result<Self> {
+    pub fn new(
+        path: &'a Path,
+        format: Format,
+        cells: &'a CellSet,
+        echo: String,
+        settings: &Settings,
+    ) -> anyhow::Result<Self> {
         let state = match format {
             Format::Stat => State::Stat(None),
             Format::Pvd => {
@@ -88,7 +96,9 @@ impl<'a> Writer<'a> {
             }
             one => State::One(one, None),
         };
-        Ok(Self { path, cells, echo, width, state })
+        let (width, encoding) =
+            (settings.width.unwrap_or(0.0), settings.encoding.map_or_else(VtkEncoding::default, Into::into));
+        Ok(Self { path, cells, echo, width, encoding, state })
     }
 
     /// Takes a result.
@@ -104,8 +114,9 @@ impl<'a> Writer<'a> {
                 let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
                 let ending = if matches!(self.cells, CellSet::Mesh(_)) { "vtu" } else { "vti" };
                 let name = PathBuf::from(format!("{stem}_{}.{ending}", outcome.index));
-                write_vtk(&staging.path().join(&name), self.cells, &outcome, &self.echo)?;
-                steps.push((outcome.time, name));
+                let time = outcome.time;
+                write_vtk(&staging.path().join(&name), self.cells, outcome, &self.echo, self.encoding)?;
+                steps.push((time, name));
             }
             State::Stat(writer) => {
                 let CellSet::Grid(grid) = self.cells else { bail!("this output does not go with these cells") };
@@ -141,7 +152,7 @@ impl<'a> Writer<'a> {
         match self.state {
             State::One(format, Some(outcome)) => match format {
                 Format::Csv => write_csv(self.path, self.cells, &outcome, &self.echo),
-                _ => write_vtk(self.path, self.cells, &outcome, &self.echo),
+                _ => write_vtk(self.path, self.cells, outcome, &self.echo, self.encoding),
             },
             State::Series { staging, steps } if !steps.is_empty() => {
                 let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -178,16 +189,17 @@ fn volumes(cells: &CellSet) -> Vec<f64> {
     (0..cells.count()).map(|cell| cells.volume(cell)).collect()
 }
 
-fn write_vtk(path: &Path, cells: &CellSet, outcome: &Outcome, echo: &str) -> anyhow::Result<()> {
-    let fields = &outcome.fields.fields;
-    let mut data: Vec<DataArray> =
-        fields.iter().map(|field| DataArray::floats(&field.name, field.components.len(), field.data.clone())).collect();
+fn write_vtk(path: &Path, cells: &CellSet, outcome: Outcome, echo: &str, encoding: VtkEncoding) -> anyhow::Result<()> {
+    let (mut data, mut components) = (Vec::new(), Vec::new());
+    for field in outcome.fields.fields {
+        data.push(DataArray::floats(&field.name, field.components.len(), field.data));
+        if field.components.len() > 1 {
+            components.push((field.name, field.components));
+        }
+    }
     data.push(DataArray::scalar("cell_volume", volumes(cells)));
-    let names: Vec<(&str, &[String])> = fields
-        .iter()
-        .filter(|field| field.components.len() > 1)
-        .map(|field| (field.name.as_str(), field.components.as_slice()))
-        .collect();
+    let names: Vec<(&str, &[String])> =
+        components.iter().map(|(name, list)| (name.as_str(), list.as_slice())).collect();
     let arrays = VtkArrays {
         cells: &data,
         time: Some(outcome.time),
@@ -196,8 +208,8 @@ fn write_vtk(path: &Path, cells: &CellSet, outcome: &Outcome, echo: &str) -> any
         ..VtkArrays::default()
     };
     match cells {
-        CellSet::Mesh(mesh) => vtk::write_vtu(path, mesh, arrays, VtkEncoding::default())?,
-        CellSet::Grid(grid) => vtk::write_vti(path, &VtkImage::from(grid), arrays, VtkEncoding::default())?,
+        CellSet::Mesh(mesh) => vtk::write_vtu(path, mesh, arrays, encoding)?,
+        CellSet::Grid(grid) => vtk::write_vti(path, &VtkImage::from(grid), arrays, encoding)?,
         CellSet::Cylinder(_) => bail!("this output does not go with these cells"),
     }
     Ok(())

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::fields::{ContactForm, KernelShape, MeanVelocity, Method, QuantityKind, SignConvention};
+use fieldstone::io::vtk::{VtkCompression, VtkEncoding, VtkFormat};
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactSources;
@@ -168,6 +169,17 @@ choice!(Mean for MeanVelocity {
     Frame => MeanVelocity::Frame,
 });
 
+choice!(Encoding for VtkEncoding {
+    /// compressed by zlib: read by everything
+    Zlib => VtkEncoding::default(),
+    /// compressed by LZ4: faster and larger; not read by meshio
+    Lz4 => VtkEncoding { compression: VtkCompression::Lz4, ..VtkEncoding::default() },
+    /// bytes as they are: fastest and largest
+    Raw => VtkEncoding { format: VtkFormat::AppendedRaw, compression: VtkCompression::None, ..VtkEncoding::default() },
+    /// text
+    Text => VtkEncoding::TEXT,
+});
+
 choice!(Switch for bool {
     On => true,
     Off => false,
@@ -289,6 +301,9 @@ pub(crate) struct Settings {
     /// Result: .vti (grid), .vtu (mesh), .pvd (one of them per frame), .csv, or .stat (MercuryCG's layout)
     #[arg(short, long, value_name = "OUT")]
     pub out: Option<PathBuf>,
+    /// How .vti and .vtu files keep their numbers [default: zlib]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub encoding: Option<Encoding>,
     /// Also write the account as JSON
     ///
     /// Keys: mass_in, mass_binned, mass_clipped, momentum_in, momentum_binned, stress_sum_contacts, stress_sum_fields,
@@ -325,7 +340,7 @@ impl Settings {
         }
         either!(particles restart density mass_column radius allow_non_spherical mesh grid cells coordinates axis origin
             function width cutoff conserve fields stress_form sign walls mean_velocity gravity species radii region periodic
-            frames average smooth timestep out json)
+            frames average smooth timestep out encoding json)
     }
 
     /// What clap refuses on the command line may come from a file.
