@@ -76,7 +76,8 @@ impl Samples {
                 "point_data": json_columns(&points), "cell_data": json_columns(&cells),
             }),
         );
-        write_vtu(&path, mesh, VtkArrays { points: &points, cells: &cells, time: Some(0.75) }, encoding)?;
+        let arrays = VtkArrays { points: &points, cells: &cells, time: Some(0.75), ..VtkArrays::default() };
+        write_vtu(&path, mesh, arrays, encoding)?;
         Ok(())
     }
 
@@ -89,7 +90,8 @@ impl Samples {
                 "point_data": json_columns(&points), "cell_data": json_columns(&cells),
             }),
         );
-        write_vti(&path, grid, VtkArrays { points: &points, cells: &cells, time: None }, encoding)?;
+        let arrays = VtkArrays { points: &points, cells: &cells, ..VtkArrays::default() };
+        write_vti(&path, grid, arrays, encoding)?;
         Ok(())
     }
 
@@ -120,7 +122,7 @@ impl Samples {
                 "point_data": json_columns(&on_points), "cell_data": json_columns(&on_cells),
             }),
         );
-        let arrays = VtkArrays { points: &on_points, cells: &on_cells, time: Some(1.5) };
+        let arrays = VtkArrays { points: &on_points, cells: &on_cells, time: Some(1.5), ..VtkArrays::default() };
         write_vtp_surface(&path, &points, &triangles, arrays, encoding)?;
         Ok(())
     }

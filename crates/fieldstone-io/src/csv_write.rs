@@ -35,9 +35,19 @@ impl CsvWriter {
     /// # Errors
     /// [`IoError::System`] where the folder cannot be written to.
     pub fn create(path: &Path, names: &[&str]) -> Result<Self, IoError> {
+        Self::create_with_comment(path, "", names)
+    }
+
+    /// Starts a table with lines of comment, each after `# `, above the names of the columns.
+    ///
+    /// # Errors
+    /// As [`CsvWriter::create`].
+    pub fn create_with_comment(path: &Path, comment: &str, names: &[&str]) -> Result<Self, IoError> {
         let mut writer = Self { file: AtomicFile::create(path)?, path: path.into(), separator: Separator::Comma };
-        let header = names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",");
-        writer.line(&header)?;
+        for line in comment.lines() {
+            writer.line(format!("# {line}").trim_end())?;
+        }
+        writer.line(&names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(","))?;
         Ok(writer)
     }
 

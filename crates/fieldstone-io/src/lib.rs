@@ -11,6 +11,7 @@
 //! | many frames with their contacts, from many files, on a thread of their own | [`Series`] |
 //! | what MercuryDPM keeps apart: densities, walls, periodic boundaries | [`read_restart`] |
 //! | a mesh | [`read_mesh`] |
+//! | coarse-grained fields as MercuryCG writes them | [`read_stat`], [`StatWriter`] |
 
 mod assembly;
 mod atomic_file;
@@ -44,6 +45,7 @@ mod ply;
 mod point_columns;
 mod series;
 pub mod source;
+mod stat;
 pub mod vtk;
 mod xyz;
 
@@ -69,4 +71,5 @@ pub use meshes::{FileKind, file_kind, read_mesh};
 pub use particles::{OneFrame, ParticleOptions, open_particles, read_frame};
 pub use ply::read_ply;
 pub use series::{BackgroundSeries, ContactFiles, Series, SeriesFrame};
+pub use stat::{StatBlock, StatField, StatFile, StatHeader, StatWriter, read_stat};
 pub use xyz::XyzReader;

@@ -88,7 +88,7 @@ fn every_number_comes_back_bit_by_bit_in_every_encoding() {
     let points = [DataArray::scalar("p", awkward(36))];
     for encoding in encodings() {
         let (_folder, path) = target();
-        let arrays = VtkArrays { points: &points, cells: &cells, time: Some(0.1) };
+        let arrays = VtkArrays { points: &points, cells: &cells, time: Some(0.1), ..VtkArrays::default() };
         write_vti(&path, &grid, arrays, encoding).unwrap();
         let back = read_vtk(&path).unwrap();
         assert_eq!(back.image.as_ref(), Some(&grid));

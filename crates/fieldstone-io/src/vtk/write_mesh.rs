@@ -110,10 +110,10 @@ fn type_code(kind: ElementKind) -> Option<u8> {
 pub fn write_vtu(path: &Path, mesh: &Mesh, arrays: VtkArrays<'_>, encoding: VtkEncoding) -> Result<(), IoError> {
     let grid = UnstructuredGrid::new(mesh, encoding.wedges);
     let points = &mesh.parts().points;
-    let mut file = XmlFile::new(path, encoding, "UnstructuredGrid", "", arrays.time)?;
+    let mut file = XmlFile::new(path, encoding, "UnstructuredGrid", "", &arrays)?;
     file.open("Piece", &format!(" NumberOfPoints=\"{}\" NumberOfCells=\"{}\"", points.len(), grid.types.len()));
-    file.columns("PointData", arrays.points, points.len())?;
-    file.columns("CellData", arrays.cells, grid.types.len())?;
+    file.columns("PointData", arrays.points, points.len(), &[])?;
+    file.columns("CellData", arrays.cells, grid.types.len(), arrays.component_names)?;
     file.open("Points", "");
     file.array("Points", 3, Column::F64(points.as_flattened()))?;
     file.close("Points");
@@ -162,10 +162,10 @@ pub fn write_vti(path: &Path, grid: &VtkImage, arrays: VtkArrays<'_>, encoding: 
         words(&grid.spacing),
         words(grid.direction.as_flattened())
     );
-    let mut file = XmlFile::new(path, encoding, "ImageData", &attributes, arrays.time)?;
+    let mut file = XmlFile::new(path, encoding, "ImageData", &attributes, &arrays)?;
     file.open("Piece", &format!(" Extent=\"{extent}\""));
-    file.columns("PointData", arrays.points, grid.point_count())?;
-    file.columns("CellData", arrays.cells, grid.cell_count())?;
+    file.columns("PointData", arrays.points, grid.point_count(), &[])?;
+    file.columns("CellData", arrays.cells, grid.cell_count(), arrays.component_names)?;
     file.close("Piece");
     file.finish()
 }

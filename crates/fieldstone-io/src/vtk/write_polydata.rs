@@ -46,7 +46,7 @@ pub fn write_vtp_particles(path: &Path, particles: &Particles, encoding: VtkEnco
     for quantity in particles.quantities() {
         columns.push(DataArray::floats(&quantity.name, quantity.components, quantity.data.clone()));
     }
-    let arrays = VtkArrays { points: &columns, cells: &[], time: particles.time() };
+    let arrays = VtkArrays { points: &columns, time: particles.time(), ..VtkArrays::default() };
     let connectivity: Vec<i64> = (0..particles.len() as i64).collect();
     let cells = Cells { element: "Verts", connectivity: &connectivity, corners: 1 };
     write(path, particles.positions(), cells, arrays, encoding)
@@ -96,10 +96,10 @@ fn write(
         let own = if element == cells.element { count } else { 0 };
         attributes += &format!(" NumberOf{element}=\"{own}\"");
     }
-    let mut file = XmlFile::new(path, encoding, "PolyData", "", arrays.time)?;
+    let mut file = XmlFile::new(path, encoding, "PolyData", "", &arrays)?;
     file.open("Piece", &attributes);
-    file.columns("PointData", arrays.points, points.len())?;
-    file.columns("CellData", arrays.cells, count)?;
+    file.columns("PointData", arrays.points, points.len(), &[])?;
+    file.columns("CellData", arrays.cells, count, arrays.component_names)?;
     file.open("Points", "");
     file.array("Points", 3, Column::F64(points.as_flattened()))?;
     file.close("Points");

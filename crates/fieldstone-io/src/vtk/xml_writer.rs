@@ -24,6 +24,10 @@ pub struct VtkArrays<'a> {
     pub cells: &'a [DataArray],
     /// Time, written as the field data `TimeValue`.
     pub time: Option<f64>,
+    /// Texts by name, written as field data: how the data were made, say.
+    pub texts: &'a [(&'a str, &'a str)],
+    /// Names of the components of columns on cells, by the column's name; columns that are not listed have none.
+    pub component_names: &'a [(&'a str, &'a [String])],
 }
 
 /// A file under construction, in memory: offsets of appended arrays must be known before they are written.
@@ -42,7 +46,7 @@ impl<'a> XmlFile<'a> {
         encoding: VtkEncoding,
         kind: &'static str,
         attributes: &str,
-        time: Option<f64>,
+        arrays: &VtkArrays<'_>,
     ) -> Result<Self, IoError> {
         let text = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -50,9 +54,14 @@ impl<'a> XmlFile<'a> {
             encoding.compressor_attribute()
         );
         let mut file = Self { path, encoding, text, appended: Vec::new(), kind };
-        if let Some(time) = time {
+        if arrays.time.is_some() || !arrays.texts.is_empty() {
             file.open("FieldData", "");
-            file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]))?;
+            if let Some(time) = arrays.time {
+                file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]))?;
+            }
+            for (name, content) in arrays.texts {
+                file.string(name, content);
+            }
             file.close("FieldData");
         }
         Ok(file)
@@ -64,6 +73,16 @@ impl<'a> XmlFile<'a> {
 
     pub fn close(&mut self, name: &str) {
         let _ = writeln!(self.text, "</{name}>");
+    }
+
+    /// Adds a text: VTK wants the codes of its bytes, and a zero after them.
+    fn string(&mut self, name: &str, content: &str) {
+        let name = escape(name);
+        let _ = writeln!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">");
+        for (k, byte) in content.bytes().chain([0]).enumerate() {
+            let _ = write!(self.text, "{}{byte}", if k % 32 == 0 && k > 0 { "\n" } else { " " });
+        }
+        self.text.push_str("\n</Array>\n");
     }
 
     /// Adds an array.
@@ -96,7 +115,13 @@ impl<'a> XmlFile<'a> {
     }
 
     /// Adds `PointData` or `CellData`, each column checked to have `tuples` rows.
-    pub fn columns(&mut self, element: &str, arrays: &[DataArray], tuples: usize) -> Result<(), IoError> {
+    pub fn columns(
+        &mut self,
+        element: &str,
+        arrays: &[DataArray],
+        tuples: usize,
+        component_names: &[(&str, &[String])],
+    ) -> Result<(), IoError> {
         self.open(element, "");
         for array in arrays {
             let column = Column::from(&array.values);
@@ -114,7 +139,13 @@ impl<'a> XmlFile<'a> {
                     "give one row for each; nothing was written",
                 ));
             }
-            self.array(&array.name, array.components, column)?;
+            let mut shape = format!(" NumberOfComponents=\"{}\"", array.components);
+            let names =
+                component_names.iter().find(|(name, _)| *name == array.name).map_or(&[][..], |(_, names)| *names);
+            for (k, name) in names.iter().enumerate().filter(|_| names.len() == array.components) {
+                let _ = write!(shape, " ComponentName{k}=\"{}\"", escape(name.as_str()));
+            }
+            self.numbers(&array.name, &shape, array.components, column)?;
         }
         self.close(element);
         Ok(())

@@ -42,7 +42,7 @@ impl CellsArguments {
             (Some(path), ..) => Ok(CellSet::Mesh(Box::new(read_mesh(path)?))),
             (None, Some([x0, x1, y0, y1, z0, z1]), Some(cells)) => {
                 let grid = Grid::new([x0, y0, z0], [x1, y1, z1], cells).map_err(|e| anyhow!("--grid, --cells: {e}"))?;
-                check_memory(&grid, available_memory())?;
+                check_memory(grid.cells().iter().product::<usize>() as u64, FRACTION_BYTES, available_memory())?;
                 Ok(CellSet::Grid(grid))
             }
             _ => bail!("give either --mesh, or --grid with six numbers and --cells with three"),
@@ -101,19 +101,19 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
 }
 
 /// Memory that the system can still give, in bytes, where it tells.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
 }
 
+/// Bytes per cell of solid fractions: fields, their copies while they are written, and centre counts.
+const FRACTION_BYTES: u64 = 120;
+
 /// Refuses a grid for whose fields the memory does not suffice: systems that promise more than they have end the
 /// program without a word.
-fn check_memory(grid: &Grid, available: Option<u64>) -> anyhow::Result<()> {
-    /// Fields, their copies while they are written, and centre counts.
-    const BYTES_PER_CELL: u64 = 120;
-    let cells = grid.cells().iter().product::<usize>() as u64;
-    let needed = cells.saturating_mul(BYTES_PER_CELL);
+pub(crate) fn check_memory(cells: u64, bytes_per_cell: u64, available: Option<u64>) -> anyhow::Result<()> {
+    let needed = cells.saturating_mul(bytes_per_cell);
     if let Some(available) = available
         && needed > available
     {
@@ -239,9 +239,9 @@ mod tests {
 
     #[test]
     fn a_grid_larger_than_the_memory_is_refused_with_both_numbers() {
-        let grid = Grid::new([0.0; 3], [1.0; 3], [1000, 1000, 1000]).unwrap();
-        let message = check_memory(&grid, Some(16_000_000_000)).unwrap_err().to_string();
+        let check = |available| check_memory(1_000_000_000, FRACTION_BYTES, available);
+        let message = check(Some(16_000_000_000)).unwrap_err().to_string();
         assert!(message.contains("1000000000 cells need about 120.0 GB") && message.contains("16.0 GB are free"));
-        assert!(check_memory(&grid, Some(130_000_000_000)).is_ok() && check_memory(&grid, None).is_ok());
+        assert!(check(Some(130_000_000_000)).is_ok() && check(None).is_ok());
     }
 }

@@ -2,12 +2,14 @@
 
 mod arguments;
 mod demo;
+mod fields;
 mod fraction;
 mod info;
 mod manual;
 mod outputs;
 mod overlap;
 mod picture;
+mod plot;
 mod report;
 mod reproduce;
 mod timing;
@@ -37,6 +39,8 @@ pub(crate) struct Cli {
         long,
         global = true,
         value_name = "N",
+        // Last in every list; else its place depends on how many subcommands there are.
+        display_order = 900,
         allow_negative_numbers = true,
         value_parser = clap::value_parser!(u16).range(1..=1024)
     )]
@@ -46,6 +50,8 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Fraction(Box<fraction::Fraction>),
+    Fields(Box<fields::FieldsCommand>),
+    Plot(plot::Plot),
     Overlap(overlap::OverlapCases),
     Info(info::Info),
     Demo(demo::Demo),
@@ -71,6 +77,8 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
     }
     match cli.command {
         Command::Fraction(command) => command.run(),
+        Command::Fields(command) => command.run(),
+        Command::Plot(command) => command.run(),
         Command::Overlap(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),

@@ -9,7 +9,7 @@ mod fig9;
 mod meshes;
 mod misses;
 mod page;
-mod plots;
+pub(crate) mod plots;
 mod samples;
 mod sec52;
 

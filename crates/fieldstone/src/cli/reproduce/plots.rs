@@ -41,7 +41,7 @@ pub(super) struct Plot {
 const SIZE: (u32, u32) = (700, 640);
 
 /// Colours that can be told apart, also by those who see red and green alike (after Okabe and Ito).
-pub(super) const COLOURS: [RGBColor; 7] = [
+pub(crate) const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
@@ -52,7 +52,7 @@ pub(super) const COLOURS: [RGBColor; 7] = [
 ];
 
 /// The area that is drawn on.
-pub(super) type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+pub(crate) type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
 
 /// Draws the plots side by side to a PNG file.
 pub(super) fn draw(path: &Path, plots: &[Plot]) -> anyhow::Result<()> {
@@ -71,7 +71,7 @@ pub(super) fn draw(path: &Path, plots: &[Plot]) -> anyhow::Result<()> {
 }
 
 /// A PNG file of what `draw` draws on white.
-pub(super) fn save(
+pub(crate) fn save(
     path: &Path,
     (width, height): (u32, u32),
     draw: impl FnOnce(&Area<'_>) -> anyhow::Result<()>,

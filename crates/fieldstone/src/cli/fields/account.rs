@@ -1,0 +1,174 @@
+//! What came in and where it went, on the terminal and as JSON.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use fieldstone::fields::{CoarseGrainingLedger, Fields};
+use fieldstone::io::AtomicFile;
+use serde::Serialize;
+
+use crate::cli::report::number;
+
+/// What has been seen of the frames themselves.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    pub frames: usize,
+    /// Particles of the last frame.
+    pub particles: usize,
+    /// Contacts of the last frame.
+    pub contacts: Option<usize>,
+    /// Of the worst cell of the worst frame.
+    pub balance: Option<f64>,
+}
+
+/// The account of a run: means over its results.
+#[derive(Debug, Default)]
+pub(super) struct Account {
+    sum: CoarseGrainingLedger,
+    results: usize,
+    /// Σ of boundary forces over cells, and whether the field was there.
+    boundary_force: Option<[f64; 3]>,
+    pub seen: Seen,
+    pub cells: usize,
+    pub gravity: Option<[f64; 3]>,
+    pub sign: &'static str,
+    /// Whether cells see particles by kernels at points, which conserve nothing.
+    pub sampled: bool,
+    /// Whether momenta and stresses are among the sums.
+    pub has_momentum: bool,
+    pub has_stress: bool,
+}
+
+/// Keys in the order in which they are written.
+#[derive(Serialize)]
+struct Json {
+    mass_in: f64,
+    mass_binned: f64,
+    mass_clipped: f64,
+    momentum_in: [f64; 3],
+    /// Null where no field needs momenta.
+    momentum_binned: Option<[f64; 3]>,
+    stress_sum_contacts: [f64; 9],
+    /// Null where no field needs stresses.
+    stress_sum_fields: Option<[f64; 9]>,
+    balance_residual: Option<f64>,
+    frames: usize,
+    seconds: f64,
+    particles: usize,
+    contacts: usize,
+    cells: usize,
+}
+
+impl Account {
+    /// Adds a result.
+    pub fn add(&mut self, fields: &Fields, volume: impl Fn(usize) -> f64) {
+        let l = &fields.ledger;
+        let sum = &mut self.sum;
+        sum.mass_in += l.mass_in;
+        sum.mass_binned += l.mass_binned;
+        sum.mass_clipped += l.mass_clipped;
+        let add = |sum: &mut [f64], x: &[f64]| sum.iter_mut().zip(x).for_each(|(s, x)| *s += x);
+        add(&mut sum.momentum_in, &l.momentum_in);
+        add(&mut sum.momentum_binned, &l.momentum_binned);
+        add(&mut sum.stress_sum_contacts, &l.stress_sum_contacts);
+        add(&mut sum.stress_sum_fields, &l.stress_sum_fields);
+        if let Some(field) = fields.get("boundary_force_density") {
+            let force = self.boundary_force.get_or_insert_default();
+            for (cell, density) in field.data.as_chunks::<3>().0.iter().enumerate() {
+                (0..3).for_each(|k| force[k] += density[k] * volume(cell));
+            }
+        }
+        self.results += 1;
+    }
+
+    fn mean(&self) -> CoarseGrainingLedger {
+        let n = self.results.max(1) as f64;
+        let l = &self.sum;
+        CoarseGrainingLedger {
+            mass_in: l.mass_in / n,
+            mass_binned: l.mass_binned / n,
+            mass_clipped: l.mass_clipped / n,
+            momentum_in: l.momentum_in.map(|x| x / n),
+            momentum_binned: l.momentum_binned.map(|x| x / n),
+            stress_sum_contacts: l.stress_sum_contacts.map(|x| x / n),
+            stress_sum_fields: l.stress_sum_fields.map(|x| x / n),
+            ..*l
+        }
+    }
+
+    /// Writes the account as JSON.
+    pub fn write(&self, path: &Path, seconds: f64) -> anyhow::Result<()> {
+        let l = self.mean();
+        let json = Json {
+            mass_in: l.mass_in,
+            mass_binned: l.mass_binned,
+            mass_clipped: l.mass_clipped,
+            momentum_in: l.momentum_in,
+            momentum_binned: self.has_momentum.then_some(l.momentum_binned),
+            stress_sum_contacts: l.stress_sum_contacts,
+            stress_sum_fields: self.has_stress.then_some(l.stress_sum_fields),
+            balance_residual: self.seen.balance,
+            frames: self.seen.frames,
+            seconds,
+            particles: self.seen.particles,
+            contacts: self.seen.contacts.unwrap_or(0),
+            cells: self.cells,
+        };
+        let text = serde_json::to_string_pretty(&json)?;
+        AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
+        Ok(())
+    }
+
+    /// The lines that every run prints.
+    pub fn text(&self) -> String {
+        let l = self.mean();
+        let mut text = String::new();
+        let mut line = |name: &str, value: String| {
+            let _ = writeln!(text, "{name:<20} {value}");
+        };
+        let share = |part: f64| if l.mass_in > 0.0 { 100.0 * part / l.mass_in } else { 0.0 };
+        line("frames", self.seen.frames.to_string());
+        line("particles", self.seen.particles.to_string());
+        if let Some(contacts) = self.seen.contacts {
+            line("contacts", contacts.to_string());
+        }
+        line("cells", self.cells.to_string());
+        line("mass", short(l.mass_in));
+        line("mass binned", format!("{}  ({:.4} %)", short(l.mass_binned), share(l.mass_binned)));
+        let why = if self.sampled { "missed by the sampled kernel" } else { "outside the cells" };
+        line("mass clipped", format!("{}  ({:.4} %, {why})", short(l.mass_clipped), share(l.mass_clipped)));
+        line("momentum", vector(&l.momentum_in));
+        if self.has_momentum {
+            line("momentum binned", vector(&l.momentum_binned));
+        }
+        if self.seen.contacts.is_some() {
+            let rows = |s: &[f64; 9]| format!("{}  {}  {}", vector(&s[..3]), vector(&s[3..6]), vector(&s[6..]));
+            line("Σ f ⊗ l, contacts", rows(&l.stress_sum_contacts));
+            if self.has_stress {
+                line("Σ σ V, cells", rows(&l.stress_sum_fields));
+            }
+            line("sign of stresses", format!("{} positive", self.sign));
+        }
+        if let Some(force) = &self.boundary_force {
+            let n = self.results.max(1) as f64;
+            line("boundary force", vector(&force.map(|f| f / n)));
+        }
+        if let Some(g) = self.gravity {
+            line("weight", vector(&g.map(|g| g * l.mass_in)));
+        }
+        if let Some(balance) = self.seen.balance {
+            line("balance residual", format!("{balance:.1e}  (worst cell, over the largest contact force)"));
+        }
+        text
+    }
+}
+
+/// Seven digits: what was lost shows in the percentages, and all digits are in the JSON.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.6e}").parse().unwrap_or(x);
+    number(rounded)
+}
+
+fn vector(v: &[f64]) -> String {
+    format!("({})", v.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", "))
+}

@@ -1,0 +1,240 @@
+//! One field of a file of results, whatever its format.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{anyhow, bail};
+use fieldstone::fields::FieldName;
+use fieldstone::io::{CsvTable, DataArray, read_stat, vtk};
+use fieldstone::mesh::{Cells, Mesh};
+
+use crate::cli::arguments::ending;
+use crate::cli::fields::mercury_name;
+
+/// Cells that are all combinations of intervals along three coordinates.
+#[derive(Debug)]
+pub(super) struct Lattice {
+    /// Names of the coordinates.
+    pub names: [String; 3],
+    /// Bounds of the intervals along each.
+    pub edges: [Vec<f64>; 3],
+    /// The cell at each place, first coordinate fastest; none where the file has none there.
+    pub cells: Vec<Option<u32>>,
+}
+
+impl Lattice {
+    pub fn counts(&self) -> [usize; 3] {
+        [0, 1, 2].map(|k| self.edges[k].len() - 1)
+    }
+
+    pub fn cell(&self, [i, j, k]: [usize; 3]) -> Option<u32> {
+        let [nx, ny, _] = self.counts();
+        self.cells[i + nx * (j + ny * k)]
+    }
+
+    /// The interval along an axis that holds a value.
+    pub fn interval(&self, axis: usize, value: f64) -> Option<usize> {
+        let edges = &self.edges[axis];
+        let last = edges.len() - 1;
+        let inside = value >= edges[0] && value <= edges[last];
+        inside.then(|| (edges.partition_point(|&edge| edge <= value)).saturating_sub(1).min(last - 1))
+    }
+
+    /// From lists of centres along each axis, and the place of each cell.
+    fn new(names: [String; 3], centres: [Vec<f64>; 3], places: &[[usize; 3]]) -> Self {
+        let counts = [0, 1, 2].map(|k: usize| centres[k].len());
+        let mut cells = vec![None; counts.iter().product()];
+        for (cell, [i, j, k]) in places.iter().enumerate() {
+            cells[i + counts[0] * (j + counts[1] * k)] = Some(cell as u32);
+        }
+        Self { names, edges: centres.map(|c| edges_around(&c)), cells }
+    }
+}
+
+/// Bounds halfway between centres; a lone centre gets an interval of length 1.
+fn edges_around(centres: &[f64]) -> Vec<f64> {
+    let n = centres.len();
+    let step = |a: usize, b: usize| if n > 1 { 0.5 * (centres[b] - centres[a]) } else { 0.5 };
+    let mut edges = vec![centres[0] - step(0, 1.min(n - 1))];
+    edges.extend(centres.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])));
+    edges.push(centres[n - 1] + step(n.saturating_sub(2), n - 1));
+    edges
+}
+
+/// Where the field lives.
+pub(super) enum Places {
+    Lattice(Lattice),
+    Mesh(Box<Mesh>),
+}
+
+/// A field with its cells.
+pub(super) struct Plotted {
+    pub places: Places,
+    pub volumes: Vec<f64>,
+    /// Mass density, where the file has it.
+    pub density: Option<Vec<f64>>,
+    /// Names of the components; one empty name for a scalar.
+    pub components: Vec<String>,
+    /// Cell by cell.
+    pub data: Vec<f64>,
+}
+
+impl Plotted {
+    pub fn value(&self, cell: usize, component: usize) -> f64 {
+        self.data[cell * self.components.len() + component]
+    }
+}
+
+/// A table of columns by name, with the cells.
+struct Table {
+    places: Places,
+    volumes: Vec<f64>,
+    /// Names as the file has them, components, numbers.
+    columns: Vec<(String, usize, Vec<f64>)>,
+}
+
+/// Reads a field of the file; of a file over time, at the block or step `frame` (negative from the end).
+pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plotted> {
+    let table = match ending(path).as_str() {
+        "vti" | "vtu" => from_vtk(path)?,
+        "pvd" => {
+            let steps = vtk::read_pvd(path)?;
+            let files: Vec<PathBuf> = steps.into_iter().map(|(_, file)| file).collect();
+            from_vtk(&files[place(path, frame, files.len())?])?
+        }
+        "stat" => from_stat(path, frame)?,
+        "csv" => from_csv(path, field)?,
+        _ => bail!("{}: give a .vti, .vtu, .pvd, .csv or .stat file that fieldstone fields wrote", path.display()),
+    };
+    let is = |name: &str, wanted: &str| name == wanted || name == mercury_name(wanted);
+    let find = |wanted: &str| table.columns.iter().find(|(name, ..)| is(name, wanted));
+    let Some((name, count, data)) = find(field) else {
+        let names: Vec<&str> = table.columns.iter().map(|(name, ..)| name.as_str()).collect();
+        bail!("{}: there is no field '{field}'; it has {}", path.display(), names.join(", "))
+    };
+    let known = FieldName::ALL.iter().find(|known| is(name, known.name()) && known.components().len() == *count);
+    let components = match known {
+        Some(known) => known.components().iter().map(|c| (*c).to_string()).collect(),
+        None => default_components(*count),
+    };
+    let density = find("density").map(|(.., data)| data.clone());
+    Ok(Plotted { components, data: data.clone(), density, volumes: table.volumes, places: table.places })
+}
+
+fn default_components(count: usize) -> Vec<String> {
+    let names: &[&str] = match count {
+        1 => &[""],
+        3 => &["x", "y", "z"],
+        6 => &["xx", "xy", "xz", "yy", "yz", "zz"],
+        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+        _ => return (0..count).map(|k| k.to_string()).collect(),
+    };
+    names.iter().map(|name| (*name).into()).collect()
+}
+
+/// Place of a frame in a list.
+fn place(path: &Path, frame: i64, count: usize) -> anyhow::Result<usize> {
+    let at = if frame < 0 { frame + count as i64 } else { frame };
+    usize::try_from(at).ok().filter(|&at| at < count).ok_or_else(|| {
+        anyhow!("{}: frame {frame} was asked for, and the file has {count}, from 0; -1 is the last", path.display())
+    })
+}
+
+fn three(names: [&str; 3]) -> [String; 3] {
+    names.map(String::from)
+}
+
+fn from_vtk(path: &Path) -> anyhow::Result<Table> {
+    let file = vtk::read_vtk(path)?;
+    let numbers = |array: &DataArray| (array.name.clone(), array.components, array.values.to_f64());
+    let mut columns: Vec<_> = file.cell_data.iter().map(numbers).collect();
+    let Some(image) = &file.image else {
+        let found = file.to_mesh()?;
+        for (_, components, data) in &mut columns {
+            let rows = found.file_cells.iter().map(|&cell| cell as usize * *components);
+            *data = rows.flat_map(|at| data[at..at + *components].to_vec()).collect();
+        }
+        let volumes = found.mesh.cell_volumes().to_vec();
+        return Ok(Table { places: Places::Mesh(Box::new(found.mesh)), volumes, columns });
+    };
+    if image.direction != vtk::VtkImage::ALIGNED {
+        bail!("{}: the grid's axes are not x, y and z", path.display());
+    }
+    let count = image.cells.map(|n| n.max(1));
+    let edges = [0, 1, 2].map(|k| (0..=count[k]).map(|i| image.origin[k] + image.spacing[k] * i as f64).collect());
+    let cells = (0..image.cell_count() as u32).map(Some).collect();
+    let volumes = vec![image.spacing.iter().product(); image.cell_count()];
+    let places = Places::Lattice(Lattice { names: three(["x", "y", "z"]), edges, cells });
+    Ok(Table { places, volumes, columns })
+}
+
+fn from_stat(path: &Path, frame: i64) -> anyhow::Result<Table> {
+    let mut file = read_stat(path)?;
+    let grid = file.header.grid().map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    let block = file.blocks.swap_remove(place(path, frame, file.blocks.len())?);
+    let columns = file.fields.iter().zip(block.data).map(|(f, data)| (f.name.clone(), f.components, data)).collect();
+    let edges = [0, 1, 2].map(|k| (0..=grid.cells()[k]).map(|i| grid.plane(k, i)).collect());
+    let count = grid.cell_count();
+    let places = Lattice { names: three(["x", "y", "z"]), edges, cells: (0..count as u32).map(Some).collect() };
+    let volumes = (0..count).map(|cell| grid.cell_volume(cell)).collect();
+    Ok(Table { places: Places::Lattice(places), volumes, columns })
+}
+
+fn from_csv(path: &Path, field: &str) -> anyhow::Result<Table> {
+    let table = CsvTable::read(path)?;
+    let axes = if table.has("angle") { ["r", "angle", "height"] } else { ["x", "y", "z"] };
+    let mut places = vec![[0; 3]; table.len()];
+    let mut centres: [Vec<f64>; 3] = Default::default();
+    for (k, axis) in axes.iter().enumerate() {
+        let values = table.column(axis)?;
+        let mut sorted = values.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup();
+        if sorted.is_empty() {
+            bail!("{}: the table has no rows", path.display());
+        }
+        for (place, value) in places.iter_mut().zip(&values) {
+            place[k] = sorted.partition_point(|x| x < value);
+        }
+        centres[k] = sorted;
+    }
+    let count = centres.iter().map(Vec::len).try_fold(1usize, |n, m| n.checked_mul(m));
+    if count.is_none_or(|count| count > table.len()) {
+        bail!("{}: the rows are those of a mesh, whose cells are not in the table; plot the .vtu", path.display());
+    }
+    let mut columns = Vec::new();
+    for wanted in [field, "density"] {
+        if columns.iter().any(|(name, ..): &(String, usize, Vec<f64>)| name == wanted) {
+            continue;
+        }
+        let own = |name: &&String| {
+            let suffix = name.strip_prefix(wanted).and_then(|rest| rest.strip_prefix('_'));
+            let components = wanted.parse::<FieldName>().map(|known| known.components().to_vec());
+            suffix.is_some_and(|suffix| components.map_or(true, |known| known.contains(&suffix)))
+        };
+        let names: Vec<&String> = match table.names().iter().find(|name| *name == wanted) {
+            Some(name) => vec![name],
+            None => table.names().iter().filter(own).collect(),
+        };
+        let parts: Vec<Vec<f64>> = names.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?;
+        if !parts.is_empty() {
+            let data = (0..table.len()).flat_map(|row| parts.iter().map(move |part| part[row])).collect();
+            columns.push((wanted.to_string(), parts.len(), data));
+        }
+    }
+    if !columns.iter().any(|(name, ..)| name == field) {
+        bail!("{}: there is no field '{field}'; it has {}", path.display(), table.names().join(", "));
+    }
+    let volumes = if table.has("cell_volume") { table.column("cell_volume")? } else { vec![1.0; table.len()] };
+    Ok(Table { places: Places::Lattice(Lattice::new(three(axes), centres, &places)), volumes, columns })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_lie_halfway_between_centres() {
+        assert_eq!(edges_around(&[1.0, 2.0, 3.0]), [0.5, 1.5, 2.5, 3.5]);
+        assert_eq!(edges_around(&[2.0]), [1.5, 2.5]);
+    }
+}

@@ -1,0 +1,429 @@
+//! `fieldstone fields` and `fieldstone plot` as users run them, on small cases that come with the tests.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use fieldstone::io::{CsvTable, read_stat, vtk};
+use support::Folder;
+
+/// Five grains of a chute flow with all contacts among them and with the floor; periodic in x and y.
+fn grains() -> Folder {
+    let folder = Folder::new();
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fieldstone-io/tests/fixtures/contacts");
+    for (from, to) in [
+        ("liggghts_part.dump", "part.dump"),
+        ("liggghts_pair.dump", "pair.dump"),
+        ("liggghts_wall.dump", "wall.dump"),
+        ("lammps_part.dump", "lammps.dump"),
+        ("lammps_pair.dump", "lammps_pair.dump"),
+    ] {
+        folder.copy(&fixtures.join(from), to);
+    }
+    folder
+}
+
+const GRAINS: &str = "fields --particles part.dump --contacts pair.dump --contacts-preset liggghts-pair \
+                      --contacts wall.dump --contacts-preset liggghts-wall";
+
+/// Two balls of radius 1/2 pressed together in a MercuryDPM box of two frames, one of them on the floor.
+fn mercury() -> Folder {
+    let folder = Folder::new();
+    let frame = |t: f64, v: f64| {
+        format!("2 {t} 0 0 0 2 1 1\n0.5 0.5 0.5 {v} 0 0 0.5 0 0 0 0 0 0 0\n1.5 0.5 0.5 0 0 {v} 0.5 0 0 0 0 0 0 0\n")
+    };
+    folder.write("box.data", frame(0.0, 1.0) + &frame(1.0, 3.0));
+    let contacts = |t: f64| {
+        format!(
+            "# {t} 1\n# 0 0 0 2 1 1\n# 0.5 0.5 0 0 0 0\n{t} 0 1 1 0.5 0.5 0 0 2 0 -1 0 0 0 0 0\n{t} 1 0 1 0.5 0.5 0 0 2 0 1 0 0 0 0 0\n\
+             {t} 0 -1 0.5 0.5 0 0 0 5 0 0 0 -1 0 0 0\n"
+        )
+    };
+    folder.write("box.fstat", contacts(0.0) + &contacts(1.0));
+    folder.write(
+        "box.restart",
+        "MercuryDPM 1.0 name box\nxMin 0 xMax 2 yMin 0 yMax 1 zMin 0 zMax 1\ntimeStep 0.5 time 1 ntimeSteps 2 timeMax 1\n\
+         systemDimensions 3 particleDimensions 3 gravity 0 0 -1\nSpecies 1\nLinearViscoelasticSpecies id 0 density 3 \
+         stiffness 1\nWalls 0\nBoundaries 0\nParticles 0\nInteractions 0\n",
+    );
+    folder
+}
+
+const MERCURY: &str = "fields --particles box.data --contacts box.fstat --restart box.restart --cells 2,1,1";
+
+fn json(folder: &Folder, file: &str) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(folder.path(file)).unwrap()).unwrap()
+}
+
+fn column(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
+    vtk::read_vtk(&folder.path(file)).unwrap().array(name).unwrap().values.to_f64()
+}
+
+fn numbers(value: &serde_json::Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn size(a: &[f64]) -> f64 {
+    a.iter().map(|x| x.abs()).fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn mentions(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "'{part}' is not in: {message}");
+    }
+}
+
+#[test]
+fn a_liggghts_frame_with_pairs_and_walls_conserves_and_balances() {
+    let folder = grains();
+    let run = folder.succeeds(&format!("{GRAINS} --cells 6,5,40 --fields all --out out.vti --json out.json"));
+    mentions(&run.stdout, &["mass clipped         0  (0.0000 %, outside the cells)", "compression positive"]);
+    let account = json(&folder, "out.json");
+    let keys: Vec<&str> = account.as_object().unwrap().keys().map(String::as_str).collect();
+    for key in [
+        "mass_in",
+        "mass_binned",
+        "mass_clipped",
+        "momentum_in",
+        "momentum_binned",
+        "stress_sum_contacts",
+        "stress_sum_fields",
+        "balance_residual",
+        "frames",
+        "seconds",
+    ] {
+        assert!(keys.contains(&key), "{key}");
+    }
+    let value = |key: &str| account[key].as_f64().unwrap();
+    assert!((value("mass_binned") / value("mass_in") - 1.0).abs() < 1e-12);
+    assert!(value("balance_residual") < 1e-12 && value("frames") == 1.0);
+    for (a, b) in [("momentum_in", "momentum_binned"), ("stress_sum_contacts", "stress_sum_fields")] {
+        let (a, b) = (numbers(&account[a]), numbers(&account[b]));
+        assert!(size(&a) > 0.0 && apart(&a, &b) <= 1e-12 * size(&a));
+    }
+    // What the JSON says is what the fields hold.
+    let volume = column(&folder, "out.vti", "cell_volume");
+    let density = column(&folder, "out.vti", "density");
+    let mass: f64 = density.iter().zip(&volume).map(|(rho, v)| rho * v).sum();
+    assert!((mass / value("mass_in") - 1.0).abs() < 1e-12);
+    let momentum = column(&folder, "out.vti", "momentum");
+    let velocity = column(&folder, "out.vti", "velocity");
+    let product: Vec<f64> = velocity.iter().enumerate().map(|(k, u)| u * density[k / 3]).collect();
+    assert!(apart(&momentum, &product) <= 1e-12 * size(&momentum));
+}
+
+#[test]
+fn a_mercury_box_gives_closed_forms_in_vti_csv_and_stat() {
+    let folder = mercury();
+    for out in ["out.vti", "out.csv"] {
+        folder.succeeds(&format!("{MERCURY} --fields standard,velocity --out {out}"));
+    }
+    folder.succeeds(&format!("{MERCURY} --out out.stat"));
+    // Each ball fills its unit cell: π/6, ρ = 3 π/6. The pair's stress is half of f ⊗ b = 2 in each, the floor's f ⊗ l = 5/2.
+    let rho = 3.0 * PI / 6.0;
+    let table = CsvTable::read(&folder.path("out.csv")).unwrap();
+    let stress = column(&folder, "out.vti", "contact_stress");
+    assert!(apart(&column(&folder, "out.vti", "density"), &[rho, rho]) < 1e-15);
+    assert_eq!((stress[0], stress[8], stress[9]), (1.0, 2.5, 1.0));
+    for (k, name) in ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"].iter().enumerate() {
+        assert_eq!(table.column(&format!("contact_stress_{name}")).unwrap(), [stress[k], stress[9 + k]]);
+    }
+    assert_eq!(table.column("x").unwrap(), [0.5, 1.5]);
+    assert!(apart(&table.column("velocity_x").unwrap(), &[3.0, 0.0]) < 1e-14);
+    // The last frame alone in a file of one result, all frames in a .stat.
+    let file = read_stat(&folder.path("out.stat")).unwrap();
+    assert_eq!(file.blocks.iter().map(|block| block.time).collect::<Vec<_>>(), [0.0, 1.0]);
+    let names: Vec<&str> = file.fields.iter().map(|field| field.name.as_str()).collect();
+    let theirs =
+        ["VolumeFraction", "Density", "Momentum", "MomentumFlux", "ContactStress", "InteractionForce", "ParticleSize"];
+    assert_eq!(names, theirs);
+    assert!(apart(&file.blocks[1].data[4], &stress) < 1e-5);
+    let text = std::fs::read_to_string(folder.path("out.stat")).unwrap();
+    assert!(text.starts_with(
+        "CG<XYZ> min 0 0 0 max 2 1 1 timeMin 0 n 2 1 1 width 0 ExactOverlap\ntime x y z 5:VolumeFraction 6:"
+    ));
+    assert!(text.contains("\n1 0.5 0.5 0.5 0.523599 1.5708 4.71239 0 0 14.1372 "), "{text}");
+}
+
+#[test]
+fn series_become_one_file_per_frame_a_mean_or_a_smoothed_mean() {
+    let folder = mercury();
+    let momentum = |file: &str| column(&folder, file, "momentum")[0];
+    let m = 3.0 * PI / 6.0;
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
+    folder.succeeds(&format!("{MERCURY} --out all.pvd --json all.json"));
+    let steps = vtk::read_pvd(&folder.path("all.pvd")).unwrap();
+    assert_eq!(steps, [(0.0, folder.path("all_0.vti")), (1.0, folder.path("all_1.vti"))]);
+    assert!(near(momentum("all_0.vti"), m) && near(momentum("all_1.vti"), 3.0 * m));
+    assert_eq!(vtk::read_vtk(&folder.path("all_1.vti")).unwrap().time, Some(1.0));
+    assert_eq!(json(&folder, "all.json")["frames"], 2);
+    folder.succeeds(&format!("{MERCURY} --average --out mean.vti"));
+    assert!(near(momentum("mean.vti"), 2.0 * m));
+    // Around the first frame the second, one width away, counts e^(−1/2).
+    folder.succeeds(&format!("{MERCURY} --smooth 1 --out smooth.pvd"));
+    let w = (-0.5f64).exp();
+    assert!(near(momentum("smooth_0.vti"), (1.0 + 3.0 * w) / (1.0 + w) * m));
+    // Around the middle both count the same.
+    folder.succeeds(&format!("{MERCURY} --smooth 1 --out middle.vti"));
+    assert!(near(momentum("middle.vti"), 2.0 * m));
+    folder.succeeds(&format!("{MERCURY} --frames 0 --out first.vti"));
+    assert!(near(momentum("first.vti"), m));
+    // Temperature about the window's mean or each frame's: u is 1 and 3, so the variance is 1, a third of it in T.
+    for (which, expected) in [("window", 1.0 / 3.0), ("frame", 0.0)] {
+        folder.succeeds(&format!(
+            "{MERCURY} --average --fields granular_temperature --mean-velocity {which} --out t.vti"
+        ));
+        assert!(near(column(&folder, "t.vti", "granular_temperature")[0], expected));
+    }
+    let message = folder.fails(&format!("{MERCURY} --frames : --out two.vti"));
+    mentions(&message, &["two.vti: the frames give several results", ".pvd or .stat", "--average"]);
+    let message = folder.fails(&format!("{MERCURY} --frames 5: --out two.pvd"));
+    mentions(&message, &["box.data: none of its frames is in the range"]);
+}
+
+#[test]
+fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
+    let folder = mercury();
+    folder.write(
+        "run.toml",
+        "particles = \"box.data\"\nrestart = \"box.restart\"\ncells = [2, 1, 1]\nout = \"a.csv\"\nsign = \"tension\"\n\
+         quantity = [\"speed=velocity:mass-mean\"]\n[[contacts]]\nfile = \"box.fstat\"\n",
+    );
+    folder.succeeds("fields run.toml");
+    folder.succeeds("fields --config run.toml --sign compression --out b.csv");
+    let read = |file: &str, name: &str| CsvTable::read(&folder.path(file)).unwrap().column(name).unwrap();
+    assert_eq!(read("a.csv", "contact_stress_zz")[0], -2.5);
+    assert_eq!(read("b.csv", "contact_stress_zz")[0], 2.5);
+    assert!((read("a.csv", "speed_velocity[0]")[0] - 3.0).abs() < 1e-14);
+    // The echo is itself a file of settings.
+    let text = std::fs::read_to_string(folder.path("a.csv")).unwrap();
+    let echo: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("# ")).take_while(|l| !l.starts_with("time")).collect();
+    mentions(
+        &text,
+        &["# fieldstone ", "# sign = \"tension\"", "# function = \"exact\"", "# density: ρ = Σ m φ, in mass"],
+    );
+    folder.write("again.toml", echo.join("\n"));
+    folder.succeeds("fields again.toml --out again.csv");
+    let rows = |text: &str| text.lines().filter(|l| !l.starts_with('#')).map(String::from).collect::<Vec<_>>();
+    assert_eq!(rows(&std::fs::read_to_string(folder.path("again.csv")).unwrap()), rows(&text));
+    // In a .vti they are field data, which our reader passes over.
+    folder.succeeds("fields run.toml --out a.vti");
+    assert_eq!(vtk::read_vtk(&folder.path("a.vti")).unwrap().skipped, ["fieldstone"]);
+
+    folder.write("bad.toml", "particles = \"box.data\"\nwidht = 1\n");
+    mentions(&folder.fails("fields bad.toml"), &["bad.toml:2: unknown key `widht`", "`width`", "`stress-form`"]);
+    folder.write("bad.toml", "particles = \"box.data\"\n\nwidth = \"wide\"\n");
+    mentions(&folder.fails("fields bad.toml"), &["bad.toml:3: invalid type"]);
+    folder.write("bad.toml", "function = \"round\"\n");
+    mentions(&folder.fails("fields bad.toml"), &["bad.toml:1: there is no function 'round'; choose exact, gauss"]);
+    folder.write("bad.toml", "density = -1.0\n");
+    mentions(&folder.fails("fields bad.toml"), &["--density is -1"]);
+    folder.write("bad.toml", "[[contacts]]\nfile = \"a\"\nprset = \"mercury\"\n");
+    mentions(&folder.fails("fields bad.toml"), &["bad.toml:3: unknown key `prset`", "`preset`"]);
+}
+
+#[test]
+fn averaged_directions_cylinders_and_meshes_hold_the_same_mass() {
+    let folder = mercury();
+    let mass = PI;
+    let close = |a: f64| (a / mass - 1.0).abs() < 1e-12;
+    for coordinates in ["O", "X", "YZ", "XYZ"] {
+        folder.succeeds(&format!(
+            "fields --particles box.data --density 3 --coordinates {coordinates} --cells 3 --out o.csv --json o.json"
+        ));
+        assert!(close(json(&folder, "o.json")["mass_binned"].as_f64().unwrap()), "{coordinates}");
+    }
+    for (coordinates, cells) in [("R", "4"), ("RZ", "4,3"), ("RTZ", "4,5,3")] {
+        folder.succeeds(&format!(
+            "fields --particles box.data --density 3 --coordinates {coordinates} --axis x --origin 0,0.5,0.5 \
+             --grid 0,0.8,0,2 --cells {cells} --out r.csv --json r.json"
+        ));
+        assert!(close(json(&folder, "r.json")["mass_binned"].as_f64().unwrap()), "{coordinates}");
+        let table = CsvTable::read(&folder.path("r.csv")).unwrap();
+        let total: f64 = (table.column("density").unwrap().iter())
+            .zip(table.column("cell_volume").unwrap())
+            .map(|(rho, v)| rho * v)
+            .sum();
+        assert!(close(total));
+    }
+    folder.copy(&fieldstone_testing::data("openfoam/refined"), "case");
+    folder.write("one.csv", "x,y,z,radius,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0\n");
+    folder.succeeds("fields --particles one.csv --density 2 --mesh case --fields all --out m.vtu --json m.json");
+    let account = json(&folder, "m.json");
+    assert!((account["mass_binned"].as_f64().unwrap() / (2.0 * PI / 48.0) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_no_field_needs_is_not_said_to_be_zero() {
+    let folder = mercury();
+    let run = folder.succeeds(&format!("{MERCURY} --fields density --out d.vti --json d.json"));
+    assert!(!run.stdout.contains("momentum binned") && !run.stdout.contains("Σ σ V"), "{}", run.stdout);
+    let account = json(&folder, "d.json");
+    assert!(account["momentum_binned"].is_null() && account["stress_sum_fields"].is_null());
+    assert_eq!(numbers(&account["stress_sum_contacts"])[0], 2.0);
+    for how in ["lz4", "raw", "text"] {
+        folder.succeeds(&format!("{MERCURY} --fields density --encoding {how} --out {how}.vti"));
+        assert_eq!(column(&folder, "d.vti", "density"), column(&folder, &format!("{how}.vti"), "density"), "{how}");
+    }
+}
+
+#[test]
+fn gravity_species_and_displacements_are_at_hand() {
+    let folder = mercury();
+    let run = folder.succeeds(&format!("{MERCURY} --gravity 0,0,-2 --out g.vti"));
+    mentions(&run.stdout, &["weight               (0, 0, -6.283185)"]);
+    let density = column(&folder, "g.vti", "density");
+    let body = column(&folder, "g.vti", "body_force_density");
+    assert_eq!(body[2], -2.0 * density[0]);
+    folder.succeeds(&format!("{MERCURY} --fields displacement,density --out d.vti"));
+    assert!(apart(&column(&folder, "d.vti", "displacement"), &[0.0; 6]) < 1e-15);
+    let message = folder.fails(&format!("{MERCURY} --frames -1 --fields displacement --out d2.vti"));
+    mentions(&message, &["no frame"]);
+    folder.succeeds(&format!("{MERCURY} --species 0 --out s.vti"));
+    assert_eq!(column(&folder, "s.vti", "density"), density);
+    folder.succeeds(&format!("{MERCURY} --species 7 --out none.vti"));
+    assert_eq!(column(&folder, "none.vti", "density"), [0.0, 0.0]);
+}
+
+#[test]
+fn lammps_contacts_come_from_columns_or_presets() {
+    let folder = grains();
+    let particles = "fields --particles lammps.dump --cells 4 --fields contact_stress,boundary_force_density";
+    let walls = "--contacts lammps.dump --contacts-preset lammps-wall";
+    folder.succeeds(&format!(
+        "{particles} --contacts lammps_pair.dump --contacts-preset lammps-pair {walls} --out a.vti"
+    ));
+    folder.succeeds(&format!(
+        "{particles} --contacts lammps_pair.dump \
+         --contacts-columns id1=c_pl[1],id2=c_pl[2],normal=c_fl[3..5],tangential=c_fl[6..8] {walls} --out b.vti"
+    ));
+    let stress = column(&folder, "a.vti", "contact_stress");
+    assert!(size(&stress) > 0.0 && size(&column(&folder, "a.vti", "boundary_force_density")) > 0.0);
+    assert_eq!(stress, column(&folder, "b.vti", "contact_stress"));
+    for wrong in ["--contacts-preset lammps-pair --contacts lammps_pair.dump", "--contacts a --contacts-preset nobody"]
+    {
+        assert_eq!(folder.fieldstone(&format!("{particles} {wrong} --out c.vti")).code, Some(2), "{wrong}");
+    }
+}
+
+#[test]
+fn wrong_input_is_named_with_its_place_and_a_remedy() {
+    let folder = grains();
+    let edit = |file: &str, from: &str, to: &str| {
+        let text = std::fs::read_to_string(folder.path(file)).unwrap();
+        assert!(text.contains(from), "{file}: {from}");
+        folder.write(&format!("bad_{file}"), text.replacen(from, to, 1));
+    };
+    let mut all = String::new();
+    let mut show = |line: String| {
+        let message = folder.fails(&line);
+        all.push_str(&format!("$ fieldstone {line}\n{message}\n"));
+    };
+    edit("pair.dump", " 9922 ", " 4711 ");
+    let bad = GRAINS.replace("pair.dump", "bad_pair.dump");
+    show(format!("{bad} --cells 2 --out out.vti"));
+    edit("pair.dump", "\n26001\n", "\n26002\n");
+    show(format!("{bad} --cells 2 --out out.vti"));
+    folder.write("balls.csv", "x,y,z,radius,vx,vy,vz,s1,s2\n0,0,0,1,0,0,0,1,2\n");
+    show("fields --particles balls.csv --cells 2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s1,s2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s3 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --fields contact_stress --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --fields speed --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --function lucy --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --width 1 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --grid 0,0,0,1,1,1 --out out.vti".into());
+    show("fields --particles balls.csv --density 1 --out out.vti".into());
+    show("fields --particles balls.csv --density 1 --cells 2,2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --coordinates RZ --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --out out.vtu".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --periodic x --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --out balls.csv".into());
+    show("fields --particles balls.csv --cells 2 --mass-column weight --out out.vti".into());
+    show("fields --cells 2 --out out.vti".into());
+    insta::assert_snapshot!("fields_messages", all);
+
+    let folder = mercury();
+    let text = std::fs::read_to_string(folder.path("box.fstat")).unwrap();
+    let second = text.rfind("# 1 1").unwrap();
+    folder.write("box.fstat", &text[..second]);
+    mentions(
+        &folder.fails(&format!("{MERCURY} --out out.stat")),
+        &["box.fstat: there are no more contacts for frame 1 of box.data"],
+    );
+    folder.write("box.fstat", &text);
+    mentions(
+        &folder.fails("fields --particles box.data --contacts box.fstat --cells 2 --out out.stat"),
+        &["box.data, frame 0: the particles have neither a column 'mass' nor 'density'", "--restart"],
+    );
+}
+
+#[test]
+fn the_account_on_the_terminal_reads_well() {
+    let folder = grains();
+    let run = folder.succeeds(&format!("{GRAINS} --cells 6,5,10 --out out.vti"));
+    let kernel = folder.succeeds(&format!("{GRAINS} --cells 6,5,10 --function gauss --width 0.002 --out out.stat"));
+    let text = format!("{}{}\n{}{}", run.stdout, run.stderr, kernel.stdout, kernel.stderr);
+    // The residual is rounding, and the time is the machine's.
+    let steady = |line: &str| match line.split_whitespace().next() {
+        Some("seconds") => "seconds              …".to_string(),
+        Some("balance") => "balance residual     …  (worst cell, over the largest contact force)".to_string(),
+        _ => line.to_string(),
+    };
+    insta::assert_snapshot!("fields_account", text.lines().map(steady).collect::<Vec<_>>().join("\n"));
+    insta::assert_snapshot!("help_fields", folder.succeeds("fields --help").stdout);
+    insta::assert_snapshot!("help_plot", folder.succeeds("plot --help").stdout);
+}
+
+/// Width, height and how many colours a PNG has.
+fn picture(path: &Path) -> (u32, u32, usize) {
+    let mut reader =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap())).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let colours: std::collections::HashSet<[u8; 3]> = pixels.as_chunks::<3>().0.iter().copied().collect();
+    (info.width, info.height, colours.len())
+}
+
+#[test]
+fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
+    let folder = grains();
+    let fields = "--fields density,velocity,contact_stress";
+    for out in ["g.vti", "g.csv", "g.stat"] {
+        folder.succeeds(&format!("{GRAINS} --cells 8,8,30 {fields} --out {out}"));
+        folder.succeeds(&format!("plot {out} --field contact_stress --component zz --slice z=0.001 --out slice.png"));
+        let (width, height, colours) = picture(&folder.path("slice.png"));
+        assert!(width > 500 && height > 500 && colours > 30, "{out}: {width} {height} {colours}");
+        folder.succeeds(&format!("plot {out} --field density --profile z --out profile.svg"));
+        let text = std::fs::read_to_string(folder.path("profile.svg")).unwrap();
+        mentions(&text, &["<svg", "density, mean by volume", ">\nz\n</text>"]);
+    }
+    folder.succeeds("plot g.vti --field velocity");
+    assert!(folder.path("g_velocity.png").is_file());
+    folder.succeeds(&format!("{GRAINS} --coordinates Z --cells 30 {fields} --out line.csv"));
+    folder.succeeds("plot line.csv --field velocity --out line.svg");
+    mentions(&std::fs::read_to_string(folder.path("line.svg")).unwrap(), &["velocity, mean by mass", "velocity y"]);
+    for (line, parts) in [
+        ("plot g.vti --field speed", ["no field 'speed'; it has", "density"]),
+        ("plot g.csv --field speed", ["no field 'speed'; it has", "density"]),
+        ("plot g.vti --field density --component x", ["density has no such component", "it is a scalar"]),
+        ("plot g.vti --field velocity --slice z=7", ["--slice z=7: the cells reach from", "to 0.12"]),
+        ("plot g.vti --field velocity --slice w=7", ["--slice w: choose one of", "x, y, z"]),
+        ("plot g.vti --field velocity --profile height", ["--profile height: choose one of", "x, y, z or r"]),
+        ("plot g.vti --field velocity --out a.gif", ["a.gif: pictures are", ".svg"]),
+        ("plot g.stat --field density --frame 3", ["frame 3 was asked for", "has 1"]),
+        ("plot part.dump --field density", ["part.dump: give a .vti", "fieldstone fields wrote"]),
+    ] {
+        mentions(&folder.fails(line), &parts);
+    }
+}
