@@ -2,6 +2,7 @@
 
 mod arguments;
 mod demo;
+mod detect;
 mod fraction;
 mod info;
 mod manual;
@@ -10,6 +11,7 @@ mod overlap;
 mod picture;
 mod report;
 mod reproduce;
+mod sph;
 mod timing;
 
 use std::process::ExitCode;
@@ -47,6 +49,7 @@ pub(crate) struct Cli {
 enum Command {
     Fraction(Box<fraction::Fraction>),
     Overlap(overlap::OverlapCases),
+    Detect(Box<detect::Detect>),
     Info(info::Info),
     Demo(demo::Demo),
     Reproduce(reproduce::Reproduce),
@@ -72,6 +75,7 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Fraction(command) => command.run(),
         Command::Overlap(command) => command.run(),
+        Command::Detect(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
         Command::Reproduce(command) => command.run(),
