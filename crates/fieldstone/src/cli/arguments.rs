@@ -101,7 +101,7 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
 }
 
 /// Memory that the system can still give, in bytes, where it tells.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
@@ -109,7 +109,7 @@ fn available_memory() -> Option<u64> {
 
 /// Refuses a grid for whose fields the memory does not suffice: systems that promise more than they have end the
 /// program without a word.
-fn check_memory(grid: &Grid, available: Option<u64>) -> anyhow::Result<()> {
+pub(crate) fn check_memory(grid: &Grid, available: Option<u64>) -> anyhow::Result<()> {
     /// Fields, their copies while they are written, and centre counts.
     const BYTES_PER_CELL: u64 = 120;
     let cells = grid.cells().iter().product::<usize>() as u64;

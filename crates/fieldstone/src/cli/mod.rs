@@ -3,7 +3,9 @@
 mod arguments;
 mod demo;
 mod detect;
+mod fluid;
 mod fraction;
+mod grid;
 mod info;
 mod manual;
 mod outputs;
@@ -12,6 +14,7 @@ mod picture;
 mod report;
 mod reproduce;
 mod sph;
+mod surface;
 mod timing;
 
 use std::process::ExitCode;
@@ -50,6 +53,8 @@ enum Command {
     Fraction(Box<fraction::Fraction>),
     Overlap(overlap::OverlapCases),
     Detect(Box<detect::Detect>),
+    Grid(Box<grid::GridFields>),
+    Surface(Box<surface::Surface>),
     Info(info::Info),
     Demo(demo::Demo),
     Reproduce(reproduce::Reproduce),
@@ -76,6 +81,8 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
         Command::Fraction(command) => command.run(),
         Command::Overlap(command) => command.run(),
         Command::Detect(command) => command.run(),
+        Command::Grid(command) => command.run(),
+        Command::Surface(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
         Command::Reproduce(command) => command.run(),
