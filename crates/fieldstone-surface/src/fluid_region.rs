@@ -47,9 +47,9 @@ impl<'a> FluidRegion<'a> {
         });
         let nearest = fluid.sqrt();
         let mut limit = f64::INFINITY;
-        if boundary.is_finite() && fluid.is_finite() {
-            // Half way between fluid and boundary particles.
-            limit = 0.5 * (boundary.sqrt() - nearest);
+        if boundary.is_finite() {
+            // Half way between fluid and boundary particles; farther away there is no fluid either.
+            limit = 0.5 * (boundary.sqrt() - nearest.min(self.reach));
         }
         for wall in self.walls {
             limit = limit.min(wall.distance(at));

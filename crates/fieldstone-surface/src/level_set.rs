@@ -52,8 +52,8 @@ const VOLUME_RADIUS: f64 = 0.620_350_490_899_400_1;
 enum Shape {
     /// Fluid on one side of a plane, the normal outwards.
     Side(DVec3),
-    /// A sheet of one layer.
-    Sheet(DVec3),
+    /// A sheet of one layer: its normal, and at a rim the outward direction in its plane, else zero.
+    Sheet(DVec3, DVec3),
     /// Spray: a ball.
     Drop,
 }
@@ -68,9 +68,9 @@ enum Shape {
 /// | h | smoothing length, 2 Δx | length |
 /// | φ₀ | [`NodeField::surface_value`]: half a spacing outside the surface particles | – |
 ///
-/// Beyond the paper: particles whose neighbours leave the cones along both n and −n empty have no side. Where their
-/// neighbours lie in a plane, d = −|(x_F − x)·n| with that plane's normal, a sheet Δx thick; else d = 0.62 Δx − Δx/2 −
-/// |x − x_F|, a ball of the particle's volume. Distances are blended by default ([`SurfaceDistance`]). Points beyond
+/// Beyond the paper: where a particle's neighbours lie in a plane, d = −|(x_F − x)·n| with that plane's normal, a sheet Δx
+/// thick. Other particles without a normal, or whose neighbours leave the cones along both n and −n empty, have no side:
+/// there d = 0.62 Δx − Δx/2 − |x − x_F|, a ball of the particle's volume. Distances are blended by default ([`SurfaceDistance`]). Points beyond
 /// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and the faces of a periodic box
 /// end the fluid: nodes where they do are marked in [`NodeField::at_wall`].
 ///
@@ -171,18 +171,19 @@ fn shape(grid: &NeighbourGrid, particle: usize, normal: DVec3, radius: f64) -> S
     };
     // The particle exists, and the grid was built for this radius.
     let _ = grid.for_each_neighbour(particle, radius, visit);
-    if behind && normal != DVec3::ZERO {
-        return Shape::Side(normal);
-    }
     let trace = scatter.x_axis.x + scatter.y_axis.y + scatter.z_axis.z;
-    if trace <= 0.0 {
-        return Shape::Drop;
+    if trace > 0.0 {
+        let thin = smallest_direction(scatter * (1.0 / trace));
+        let least = thin.dot(scatter * thin) / trace;
+        // Of a line of particles two eigenvalues are small.
+        let middle = 1.0 - least - largest_eigenvalue(scatter * (1.0 / trace));
+        if least < FLAT && middle > 2.0 * FLAT {
+            let along = normal - thin * normal.dot(thin);
+            let rim = if along.length() > 0.5 { along.normalize() } else { DVec3::ZERO };
+            return Shape::Sheet(thin, rim);
+        }
     }
-    let thin = smallest_direction(scatter * (1.0 / trace));
-    let least = thin.dot(scatter * thin) / trace;
-    // Of a line of particles two eigenvalues are small.
-    let middle = 1.0 - least - largest_eigenvalue(scatter * (1.0 / trace));
-    if least < FLAT && middle > 2.0 * FLAT { Shape::Sheet(thin) } else { Shape::Drop }
+    if behind && normal != DVec3::ZERO { Shape::Side(normal) } else { Shape::Drop }
 }
 
 /// Direction of the smallest eigenvalue of a symmetric matrix of trace 1 without negative ones.
@@ -212,7 +213,8 @@ fn distance(shape: Shape, displacement: [f64; 3], squared: f64, spacing: f64) ->
     let to = DVec3::from_array(displacement);
     match shape {
         Shape::Side(normal) => to.dot(normal),
-        Shape::Sheet(normal) => -to.dot(normal).abs(),
+        Shape::Sheet(normal, rim) if rim == DVec3::ZERO => -to.dot(normal).abs(),
+        Shape::Sheet(normal, rim) => to.dot(rim).min(-to.dot(normal).abs()),
         Shape::Drop => (VOLUME_RADIUS - 0.5) * spacing - squared.sqrt(),
     }
 }

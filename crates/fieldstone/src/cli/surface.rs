@@ -35,7 +35,7 @@ pub(crate) struct Surface {
     cell: f64,
     /// Where the fluid touches walls, boundary particles or the periodic box
     #[arg(long, value_enum, default_value = "closed")]
-    walls: WallsName,
+    at_walls: WallsName,
     /// Columns of the particles to interpolate to the surface, for .vtp and .ply
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     fields: Vec<String>,
@@ -144,7 +144,7 @@ impl Surface {
         let surroundings = self.sph.surroundings(frame)?;
         let nodes = nodes(frame, &surroundings, self.cell)?;
         let field = timing.measure("field", || self.fluid.field(frame, &surroundings, &nodes))?;
-        let walls = match self.walls {
+        let walls = match self.at_walls {
             WallsName::Closed => Walls::Closed,
             WallsName::Open => Walls::Open,
         };
