@@ -68,8 +68,8 @@ pub enum Walls {
 /// | vertices | linear interpolation, but at least 0.001 edges from a node |
 /// | accuracy | position within O(cell²) of a smooth field's level |
 /// | normals | the field's gradient by central differences, interpolated |
-/// | triangles | about 2.5 times those of marching cubes |
-/// | cost | some 10 ns per cell, 100 ns per triangle, one thread |
+/// | triangles | three to four times those of marching cubes |
+/// | cost | linear in cells and triangles, one thread; two layers of edges in memory |
 ///
 /// Source: tetrahedra after Kuhn; for the marching of tetrahedra see `doi1991`.
 pub fn iso_surface(field: &NodeField, walls: Walls) -> TriangleMesh {

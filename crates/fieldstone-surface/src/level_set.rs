@@ -74,8 +74,7 @@ enum Shape {
 /// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and the faces of a periodic box
 /// end the fluid: nodes where they do are marked in [`NodeField::at_wall`].
 ///
-/// Cost: one neighbour search per node, about a microsecond near particles. The result does not depend on the number
-/// of threads.
+/// Cost: a neighbour search per node. The result does not depend on the number of threads.
 ///
 /// Source: `liu2022`, Eq. 33, 34; `marrone2010`.
 ///

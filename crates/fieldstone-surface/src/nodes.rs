@@ -62,7 +62,7 @@ impl Nodes {
         };
         let ends = [ends(0), ends(1), ends(2)];
         // A float that is no count saturates and is refused below.
-        let counts = ends.map(|[low, high]| (high - low) as usize + 1);
+        let counts = ends.map(|[low, high]| ((high - low) as usize).saturating_add(1));
         Self::new(ends.map(|[low, _]| low * cell), [cell; 3], counts)
     }
 

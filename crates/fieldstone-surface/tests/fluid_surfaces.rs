@@ -93,7 +93,7 @@ fn volumes_of_sphere_and_torus_converge_with_the_spacing() {
             }
             // Second order where the field is smooth; jumps of the nearest particle leave first order.
             let (limit, ratio) = match way {
-                Way::Density => (0.01, 0.3),
+                Way::Density => (0.012, 0.33),
                 Way::LevelSet(SurfaceDistance::Blended) => (0.03, 0.6),
                 Way::LevelSet(SurfaceDistance::Nearest) => (0.06, 0.75),
             };
