@@ -125,7 +125,7 @@ impl Detect {
         let (mut summaries, mut paths) = (Vec::new(), Vec::new());
         let bar = frame_progress()?;
         let mut begun = Instant::now();
-        while let Some(frame) = series.next() {
+        for frame in series.by_ref() {
             let frame = frame?;
             let read = begun.elapsed().as_secs_f64();
             bar.set_message(frame.path.display().to_string());

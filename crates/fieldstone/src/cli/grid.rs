@@ -105,7 +105,7 @@ impl GridFields {
         let mut series = self.sph.series(&out)?;
         let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
         let bar = frame_progress()?;
-        while let Some(frame) = series.next() {
+        for frame in series.by_ref() {
             let frame = frame?;
             bar.set_message(frame.path.display().to_string());
             out.check_room(outcomes.len())?;

@@ -41,6 +41,8 @@ pub(crate) struct Cli {
     #[arg(
         long,
         global = true,
+        // Last in the help of every subcommand, however many arguments that has.
+        display_order = 900,
         value_name = "N",
         allow_negative_numbers = true,
         value_parser = clap::value_parser!(u16).range(1..=1024)
