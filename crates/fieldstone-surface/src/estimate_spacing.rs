@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use crate::SurfaceError;
 
 /// Particles that are looked at.
-const SAMPLE: usize = 256;
+const SAMPLE: u64 = 256;
 
 /// The spacing Δx that the particles' number density stands for; `None` for fewer than 8 particles or all in one place.
 ///
@@ -40,14 +40,16 @@ pub fn estimate_spacing(positions: &[[f64; 3]], dimension: usize) -> Result<Opti
     if positions.len() < 8 {
         return Ok(None);
     }
-    let stride = positions.len().div_ceil(SAMPLE);
+    // Scattered: a stride would meet the same face of a lattice again and again.
+    let count = positions.len() as u64;
+    let sample: Vec<[f64; 3]> =
+        (0..SAMPLE.min(count)).map(|k| positions[(k.wrapping_mul(0x9e37_79b9_7f4a_7c15) % count) as usize]).collect();
     let squares = |at: &[f64; 3]| -> Vec<f64> {
         positions.iter().map(|p| (0..dimension).map(|k| (p[k] - at[k]).powi(2)).sum()).collect()
     };
     let rank = 2 * dimension;
-    let mut near: Vec<f64> = positions
+    let mut near: Vec<f64> = sample
         .par_iter()
-        .step_by(stride)
         // The particle itself is the nearest.
         .map(|at| squares(at).select_nth_unstable_by(rank, f64::total_cmp).1.sqrt())
         .collect();
@@ -63,8 +65,7 @@ pub fn estimate_spacing(positions: &[[f64; 3]], dimension: usize) -> Result<Opti
         let q = squared.sqrt() / h;
         if q < 2.0 { factor * (1.0 + 2.0 * q) * (1.0 - 0.5 * q).powi(4) } else { 0.0 }
     };
-    let mut densities: Vec<f64> =
-        positions.par_iter().step_by(stride).map(|at| squares(at).into_iter().map(kernel).sum()).collect();
+    let mut densities: Vec<f64> = sample.par_iter().map(|at| squares(at).into_iter().map(kernel).sum()).collect();
     densities.sort_unstable_by(f64::total_cmp);
     // At the surface half of the neighbours are missing; clumps have too many.
     let inner = densities[(densities.len() - 1) * 9 / 10];

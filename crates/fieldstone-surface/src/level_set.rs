@@ -92,7 +92,7 @@ enum Shape {
 /// let at = |x: [f64; 3]| (0..nodes.len()).find(|&n| nodes.position(n) == x).map(|n| field.values[n]);
 /// // In the middle of a face of the block, half a spacing outside its particles.
 /// assert!((at([10.0, 5.0, 5.0]).unwrap_or(1.0) - field.surface_value).abs() < 1e-12);
-/// assert!(at([5.0; 3]) == Some(1.0) && at([12.0, 5.0, 5.0]) == Some(-1.0));
+/// assert!(at([5.0; 3]) == Some(1.0) && at([11.5, 5.0, 5.0]) == Some(-1.0));
 /// # Ok::<(), fieldstone_surface::SurfaceError>(())
 /// ```
 pub fn level_set(
@@ -139,7 +139,8 @@ pub fn level_set(
             SurfaceDistance::Blended => blended(&near, &shapes, at, reach, spacing),
         };
         // Half a spacing outside the particles it is 0; the cover sets in where no point of a lattice is.
-        let covered = scale * (options.cover * spacing - within.nearest) / ((options.cover - DENSE) * spacing);
+        let steepness = (scale + 0.5 * spacing) / ((options.cover - DENSE) * spacing);
+        let covered = steepness * (options.cover * spacing - within.nearest);
         let free = (distance + 0.5 * spacing).min(covered);
         let inside = free.min(within.limit);
         ((inside / scale + surface_value).clamp(-1.0, 1.0), within.limit <= free && within.limit <= 0.0)
