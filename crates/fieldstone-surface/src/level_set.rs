@@ -118,7 +118,6 @@ pub fn level_set(
     let shapes: Vec<Shape> =
         members.par_iter().map(|&i| shape(&wide, i, DVec3::from_array(normals[i]), 2.5 * spacing)).collect();
 
-    // Walls mirror the surface, too: without, its planes would turn off at the contact line.
     let surface: Vec<[f64; 3]> = members.iter().map(|&i| positions[i]).collect();
     let reach = (2.0 * options.smoothing.length + 1.0) * spacing;
     let near = NeighbourGrid::build(&surface, NeighbourOptions { reach, dimension: 3, domain: surroundings.domain })?;
