@@ -94,7 +94,7 @@ fn plots(curves: &[Vec<Vec<(f64, f64)>>], sides: &[usize]) -> Vec<Plot> {
                 dashed: false,
             })
             .collect(),
-        legend: Some(SeriesLabelPosition::UpperLeft),
+        legend: Some(SeriesLabelPosition::LowerRight),
     };
     NOISES.iter().zip(curves).map(one).collect()
 }
