@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::report;
-use super::sph::{NumberedOutput, SphArguments, frame_progress, written};
+use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
 use super::timing::Timing;
 
 /// Free-surface particles of smoothed particle hydrodynamics

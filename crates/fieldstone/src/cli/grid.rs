@@ -16,7 +16,7 @@ use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Su
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes};
 use super::report;
-use super::sph::{NumberedOutput, SphArguments, frame_progress, written};
+use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
 
 /// Particle quantities on a regular grid, by moving least squares or conservatively
 ///

@@ -13,7 +13,7 @@ mod overlap;
 mod picture;
 mod report;
 mod reproduce;
-mod sph;
+mod sph_frames;
 mod surface;
 mod timing;
 

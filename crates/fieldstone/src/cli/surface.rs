@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, nodes};
-use super::sph::{NumberedOutput, SphArguments, frame_progress, written};
+use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
 use super::timing::Timing;
 use super::{outputs, report};
 
