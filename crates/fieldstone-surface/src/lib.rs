@@ -22,27 +22,37 @@
 //! continuous form of the criterion, [`normals`] and [`levels`] go with the labels, [`Comparison`] and [`sensitivity`]
 //! judge them.
 //!
+//! From the labels on: [`level_set`] and [`density_field`] say on [`Nodes`] where the fluid is, [`iso_surface`] makes a
+//! closed [`TriangleMesh`] of it, and [`interpolate`] brings quantities of particles to nodes or to the surface.
+//!
 //! Labels do not depend on the number of threads, nor on the processor.
 
 mod arc_cover;
 mod comparison;
 mod cone;
+mod density_field;
 mod detection;
 mod dilts;
 mod divergence_thresholds;
 mod error;
+mod estimate_spacing;
 mod exact;
 mod exposed_ball;
 mod exposure;
+mod fluid_region;
 mod geometrical;
 mod haque;
 mod intervals;
+mod iso_surface;
 mod kernel;
+mod level_set;
 mod levels;
 mod marrone;
 mod method;
 mod moments;
+mod moving_least_squares;
 mod neighbourhood;
+mod nodes;
 mod normals;
 mod perturbed_surface;
 mod plausibility;
@@ -53,24 +63,31 @@ mod sensitivity;
 mod sun;
 mod surface;
 mod surroundings;
+mod triangle_mesh;
 mod umbrella;
 mod walls;
 mod wang;
 
 pub use comparison::Comparison;
 pub use cone::ScanningCone;
+pub use density_field::density_field;
 pub use detection::{Detection, SurfaceDetection, TIE};
 pub use dilts::Dilts;
 pub use divergence_thresholds::{Depth, DivergenceThresholds, lattice_divergence};
 pub use error::SurfaceError;
+pub use estimate_spacing::estimate_spacing;
 pub use exact::{Exact, WitnessCache};
 pub use exposure::{Exposure, exposure};
 pub use geometrical::Geometrical;
 pub use haque::Haque;
+pub use iso_surface::{Walls, iso_surface};
 pub use kernel::{Kernel, Smoothing};
+pub use level_set::{LevelSetOptions, SurfaceDistance, level_set};
 pub use levels::levels;
 pub use marrone::Marrone;
 pub use method::Method;
+pub use moving_least_squares::{Column, Interpolated, Support, interpolate};
+pub use nodes::{NodeField, Nodes};
 pub use normals::normals;
 pub use perturbed_surface::{InnerParticles, PerturbedSurface};
 pub use plausibility::implausibilities;
@@ -80,5 +97,6 @@ pub use sensitivity::{Sensitivity, sensitivity};
 pub use sun::Sun;
 pub use surface::{Surface, SurfaceOptions, detect_surface};
 pub use surroundings::Surroundings;
+pub use triangle_mesh::{Topology, TriangleMesh};
 pub use walls::{Wall, wall_images};
 pub use wang::Wang;

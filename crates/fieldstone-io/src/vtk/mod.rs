@@ -34,7 +34,7 @@ pub use mesh::{VtkMesh, read_vtk_mesh};
 pub use particles::read_vtk_particles;
 pub use series::{read_pvd, write_pvd};
 pub use write_mesh::{write_vti, write_vtu};
-pub use write_polydata::{write_vtp_particles, write_vtp_surface};
+pub use write_polydata::{write_vtp_particles, write_vtp_particles_with, write_vtp_surface};
 pub use xml_writer::VtkArrays;
 
 use crate::{IoError, source};

@@ -33,6 +33,21 @@ struct Cells<'a> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_vtp_particles(path: &Path, particles: &Particles, encoding: VtkEncoding) -> Result<(), IoError> {
+    write_vtp_particles_with(path, particles, &[], encoding)
+}
+
+/// As [`write_vtp_particles`], with more columns on the particles: those that were computed, integers among them.
+///
+/// A column of the particles that has the name of one of `computed` is left out.
+///
+/// # Errors
+/// [`IoError::Content`] where a column has not one row per particle; [`IoError::System`].
+pub fn write_vtp_particles_with(
+    path: &Path,
+    particles: &Particles,
+    computed: &[DataArray],
+    encoding: VtkEncoding,
+) -> Result<(), IoError> {
     let mut columns = Vec::new();
     if let Ok(radii) = particles.radii() {
         columns.push(DataArray::scalar("radius", radii.to_vec()));
@@ -46,6 +61,8 @@ pub fn write_vtp_particles(path: &Path, particles: &Particles, encoding: VtkEnco
     for quantity in particles.quantities() {
         columns.push(DataArray::floats(&quantity.name, quantity.components, quantity.data.clone()));
     }
+    columns.retain(|column| computed.iter().all(|other| other.name != column.name));
+    columns.extend_from_slice(computed);
     let arrays = VtkArrays { points: &columns, time: particles.time(), ..VtkArrays::default() };
     let connectivity: Vec<i64> = (0..particles.len() as i64).collect();
     let cells = Cells { element: "Verts", connectivity: &connectivity, corners: 1 };

@@ -56,7 +56,7 @@ impl CellsArguments {
 }
 
 /// Numbers separated by commas.
-fn list<T: FromStr + Copy + Default, const N: usize>(text: &str, example: &str) -> Result<[T; N], String> {
+pub(crate) fn list<T: FromStr + Copy + Default, const N: usize>(text: &str, example: &str) -> Result<[T; N], String> {
     let words: Vec<&str> = text.split(',').map(str::trim).collect();
     if words.len() != N {
         return Err(format!("{} numbers were found; give {N}, separated by commas, as in {example}", words.len()));

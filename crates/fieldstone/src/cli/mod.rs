@@ -2,8 +2,11 @@
 
 mod arguments;
 mod demo;
+mod detect;
 mod fields;
+mod fluid;
 mod fraction;
+mod grid;
 mod info;
 mod manual;
 mod outputs;
@@ -12,6 +15,8 @@ mod picture;
 mod plot;
 mod report;
 mod reproduce;
+mod sph_frames;
+mod surface;
 mod timing;
 
 use std::process::ExitCode;
@@ -53,6 +58,9 @@ enum Command {
     Fields(Box<fields::FieldsCommand>),
     Plot(plot::Plot),
     Overlap(overlap::OverlapCases),
+    Detect(Box<detect::Detect>),
+    Grid(Box<grid::GridFields>),
+    Surface(Box<surface::Surface>),
     Info(info::Info),
     Demo(demo::Demo),
     Reproduce(reproduce::Reproduce),
@@ -80,6 +88,9 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
         Command::Fields(command) => command.run(),
         Command::Plot(command) => command.run(),
         Command::Overlap(command) => command.run(),
+        Command::Detect(command) => command.run(),
+        Command::Grid(command) => command.run(),
+        Command::Surface(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
         Command::Reproduce(command) => command.run(),

@@ -12,6 +12,7 @@ mod page;
 pub(crate) mod plots;
 mod samples;
 mod sec52;
+mod surface;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -33,6 +34,7 @@ pub(crate) struct Reproduce {
 #[derive(Debug, Subcommand)]
 enum What {
     Overlap(Overlap),
+    Surface(surface::SurfaceFigures),
 }
 
 /// Overlap of spheres and mesh elements: Strobl, Formella and Pöschel (2016), Sec. 5
@@ -89,8 +91,10 @@ struct Settings {
 
 impl Reproduce {
     pub fn run(self) -> anyhow::Result<()> {
-        let What::Overlap(overlap) = self.what;
-        overlap.run()
+        match self.what {
+            What::Overlap(overlap) => overlap.run(),
+            What::Surface(surface) => surface.run(),
+        }
     }
 }
 

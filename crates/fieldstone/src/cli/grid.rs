@@ -1,0 +1,276 @@
+//! `fieldstone grid`: particle quantities on a regular grid.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{anyhow, bail};
+use clap::Args;
+use fieldstone::fields::{Method, Weights};
+use fieldstone::io::vtk::{VtkArrays, VtkEncoding, VtkImage, write_vti};
+use fieldstone::io::{DataArray, SeriesFrame, Values};
+use fieldstone::mesh::Cells;
+use fieldstone::particles::{Particles, Quantity};
+use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Surroundings, interpolate};
+
+use super::arguments::{ending, positive};
+use super::fluid::{FluidArguments, Source, cells, nodes};
+use super::report;
+use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
+
+/// Particle quantities on a regular grid, by moving least squares or conservatively
+///
+/// Writes on the grid's nodes level_set (or volume_share with --from density), each column of the particles, interpolated,
+/// and support: 2 linear, 1 weighted mean because the neighbours do not span space, 0 no particle or no fluid. With
+/// --conserve also on its cells the totals of columns, shared out by the exact overlap with balls of the particles'
+/// volumes.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:\n  \
+    fieldstone grid --particles frame.vtu --spacing 0.01 --out fields.vti\n  \
+    fieldstone grid --particles frame.vtu --spacing 0.01 --fields pressure --slice y=0.15 --out slice.vti\n  \
+    fieldstone grid --particles frame.vtu --spacing 0.01 --conserve mass --cell 2 --out mass.vti\n\n\
+    Units: all lengths as in the input.")]
+pub(crate) struct GridFields {
+    #[command(flatten)]
+    sph: SphArguments,
+    #[command(flatten)]
+    fluid: FluidArguments,
+    /// Size of the cells, in spacings
+    #[arg(long, value_name = "C", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    cell: f64,
+    /// Columns of the particles to interpolate [default: all]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    fields: Option<Vec<String>>,
+    /// Smoothing length of the interpolation, in spacings
+    #[arg(long, value_name = "H", default_value_t = 1.5, value_parser = positive, allow_negative_numbers = true)]
+    interpolation_length: f64,
+    /// Interpolate wherever there are particles near, also outside the fluid's surface
+    #[arg(long)]
+    beyond_surface: bool,
+    /// Columns of which each particle's amount is shared out among cells, such as mass
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    conserve: Vec<String>,
+    /// Only the plane at this position, e.g. y=0.15
+    #[arg(long, value_name = "AXIS=POSITION", conflicts_with = "conserve")]
+    slice: Option<Slice>,
+    /// Result: .vti; {} in its name stands for the number of the frame
+    #[arg(short, long, value_name = "OUT")]
+    out: PathBuf,
+}
+
+/// A plane across an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Slice {
+    axis: usize,
+    at: f64,
+}
+
+impl FromStr for Slice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("'{text}' is no plane; give an axis and a position, as in y=0.15");
+        let (axis, at) = text.split_once('=').ok_or_else(wrong)?;
+        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(wrong)?;
+        let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite()).ok_or_else(wrong)?;
+        Ok(Self { axis, at })
+    }
+}
+
+/// What the report says about a column that was shared out.
+struct Total {
+    name: String,
+    particles: f64,
+    cells: f64,
+}
+
+struct Outcome {
+    frame: usize,
+    nodes: [usize; 3],
+    support: [usize; 3],
+    totals: Vec<Total>,
+}
+
+impl GridFields {
+    pub fn run(self) -> anyhow::Result<()> {
+        let out = NumberedOutput::new("--out", &self.out);
+        if ending(&self.out) != "vti" {
+            bail!("--out {}: the ending is not known; use .vti", self.out.display());
+        }
+        if self.sph.dimension != 3 {
+            bail!("--dimension 2: fields are gridded in three dimensions; --slice gives a plane of them");
+        }
+        let inputs = self.sph.inputs();
+        out.check(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let mut series = self.sph.series(&out)?;
+        let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
+        let bar = frame_progress()?;
+        for frame in series.by_ref() {
+            let frame = frame?;
+            bar.set_message(frame.path.display().to_string());
+            out.check_room(outcomes.len())?;
+            let path = out.at(frame.index);
+            outcomes.push(self.frame(&frame, &path)?);
+            paths.push(path);
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        for warning in series.warnings() {
+            report::warn(warning);
+        }
+        if outcomes.is_empty() {
+            bail!("--particles {}: there is no such frame; choose others with --frames", self.sph.particles);
+        }
+        let mut text = String::new();
+        for outcome in &outcomes {
+            text += &describe(outcome, outcomes.len() > 1);
+        }
+        let _ = writeln!(text, "written to           {}", written(&paths));
+        report::print(&text)
+    }
+
+    fn frame(&self, frame: &SeriesFrame, path: &Path) -> anyhow::Result<Outcome> {
+        let file = frame.path.display();
+        let placed = |e: SurfaceError| anyhow!("{file}: {e}");
+        let surroundings = self.sph.surroundings(frame)?;
+        let nodes = match self.slice {
+            None => nodes(frame, &surroundings, self.cell)?,
+            Some(Slice { axis, at }) => {
+                nodes(frame, &surroundings, self.cell)?.slice(axis, at).map_err(|e| anyhow!("--slice: {file}: {e}"))?
+            }
+        };
+        let region = self.fluid.field(frame, &surroundings, &nodes)?;
+        let quantities = self.quantities(&frame.particles).map_err(|e| anyhow!("--fields: {file}: {e}"))?;
+        let columns: Vec<Column<'_>> =
+            quantities.iter().map(|q| Column { components: q.components, data: &q.data }).collect();
+        let inside: Vec<usize> =
+            (0..nodes.len()).filter(|&n| self.beyond_surface || region.values[n] > region.surface_value).collect();
+        let points: Vec<[f64; 3]> = inside.iter().map(|&n| nodes.position(n)).collect();
+        let positions = frame.particles.positions();
+        let found =
+            interpolate(positions, &surroundings, &columns, &points, self.interpolation_length).map_err(placed)?;
+        let (arrays, support) = spread(&nodes, &inside, &quantities, &found);
+        let name = if self.fluid.from == Source::Density { "volume_share" } else { "level_set" };
+        let mut point_data = vec![DataArray::scalar(name, region.values)];
+        point_data.extend(arrays);
+
+        let (mut cell_data, mut totals) = (Vec::new(), Vec::new());
+        if !self.conserve.is_empty() {
+            self.share_out(frame, &surroundings, &nodes, &mut cell_data, &mut totals)?;
+        }
+        let counts = nodes.counts();
+        let image = VtkImage::aligned(nodes.origin(), nodes.spacing(), counts.map(|n| n - 1));
+        let arrays =
+            VtkArrays { points: &point_data, cells: &cell_data, time: frame.particles.time(), ..VtkArrays::default() };
+        write_vti(path, &image, arrays, VtkEncoding::default())?;
+        Ok(Outcome { frame: frame.index, nodes: counts, support, totals })
+    }
+
+    fn quantities<'a>(&self, particles: &'a Particles) -> anyhow::Result<Vec<&'a Quantity>> {
+        match &self.fields {
+            None => Ok(particles.quantities().iter().collect()),
+            Some(names) => names.iter().map(|name| Ok(particles.quantity(name)?)).collect(),
+        }
+    }
+
+    /// Totals of columns in cells: each particle's amount goes to cells by their shares of its ball.
+    fn share_out(
+        &self,
+        frame: &SeriesFrame,
+        surroundings: &Surroundings,
+        nodes: &Nodes,
+        cell_data: &mut Vec<DataArray>,
+        totals: &mut Vec<Total>,
+    ) -> anyhow::Result<()> {
+        let file = frame.path.display();
+        let positions = frame.particles.positions();
+        let fluid: Vec<usize> =
+            (0..positions.len()).filter(|&k| surroundings.candidates.as_ref().is_none_or(|c| c[k])).collect();
+        let uniform = surroundings.spacing.powi(3);
+        let radii = fluid
+            .iter()
+            .map(|&k| surroundings.volumes.as_ref().map_or(uniform, |v| v[k]))
+            .map(|volume| (0.75 / std::f64::consts::PI * volume).cbrt())
+            .collect();
+        let balls = Particles::new(fluid.iter().map(|&k| positions[k]).collect())
+            .and_then(|balls| balls.with_radii(radii))
+            .map_err(|e| anyhow!("{file}: {e}"))?;
+        let grid = cells(nodes)?;
+        let weights = Weights::build(&grid, &balls, Method::Kernel, None).map_err(|e| anyhow!("{file}: {e}"))?;
+        if weights.outside().iter().zip(weights.particle_volumes()).any(|(out, whole)| *out > 1e-12 * whole) {
+            // Volumes far above the spacing's cube: balls reach beyond the nodes' margin.
+            report::warn(&format!("{file}: some particles reach beyond the grid; check the spacing and its unit"));
+        }
+        let ball_volumes = weights.particle_volumes();
+        let share = weights.sum_over_particles(&vec![1.0; fluid.len()])?;
+        let fraction = share.iter().enumerate().map(|(cell, v)| v / grid.cell_volume(cell)).collect();
+        cell_data.push(DataArray::scalar("volume_fraction", fraction));
+        for name in &self.conserve {
+            let column = frame.particles.quantity(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
+            let mut sums = vec![0.0; column.components * share.len()];
+            for component in 0..column.components {
+                let amount = |n: usize| column.data[fluid[n] * column.components + component];
+                let densities: Vec<f64> = (0..fluid.len()).map(|n| amount(n) / ball_volumes[n]).collect();
+                let cells = weights.sum_over_particles(&densities)?;
+                let suffix = if column.components == 1 { String::new() } else { format!(" [{component}]") };
+                totals.push(Total {
+                    name: format!("{name}{suffix}"),
+                    particles: (0..fluid.len()).map(amount).sum(),
+                    cells: cells.iter().sum(),
+                });
+                for (cell, sum) in cells.into_iter().enumerate() {
+                    sums[cell * column.components + component] = sum;
+                }
+            }
+            cell_data.push(DataArray::floats(format!("{name}_total"), column.components, sums));
+        }
+        Ok(())
+    }
+}
+
+/// Values at some of the nodes as columns on all of them, 0 at the others; and how many nodes have which support.
+fn spread(
+    nodes: &Nodes,
+    inside: &[usize],
+    quantities: &[&Quantity],
+    found: &Interpolated,
+) -> (Vec<DataArray>, [usize; 3]) {
+    let mut support = vec![Support::None as u8; nodes.len()];
+    for (&node, &how) in inside.iter().zip(&found.support) {
+        support[node] = how as u8;
+    }
+    let mut counts = [0; 3];
+    support.iter().for_each(|&how| counts[usize::from(how)] += 1);
+    let mut arrays = vec![DataArray { name: "support".into(), components: 1, values: Values::U8(support) }];
+    for (quantity, values) in quantities.iter().zip(&found.values) {
+        let width = quantity.components;
+        let mut all = vec![0.0; nodes.len() * width];
+        for (row, &node) in values.chunks_exact(width).zip(inside) {
+            all[node * width..(node + 1) * width].copy_from_slice(row);
+        }
+        arrays.push(DataArray::floats(&quantity.name, width, all));
+    }
+    (arrays, counts)
+}
+
+fn describe(outcome: &Outcome, with_frame: bool) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<20} {value}");
+    };
+    if with_frame {
+        line("frame", outcome.frame.to_string());
+    }
+    let [nx, ny, nz] = outcome.nodes;
+    let [none, shepard, linear] = outcome.support;
+    line("nodes", format!("{nx} × {ny} × {nz}"));
+    line("linear", linear.to_string());
+    line("weighted mean", shepard.to_string());
+    line("without fluid", none.to_string());
+    for Total { name, particles, cells } in &outcome.totals {
+        let off = if *particles == 0.0 { *cells } else { cells / particles - 1.0 };
+        line(&format!("{name} of particles"), report::number(*particles));
+        line(&format!("{name} of cells"), format!("{}  ({off:+.1e})", report::number(*cells)));
+    }
+    text
+}

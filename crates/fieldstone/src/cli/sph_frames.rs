@@ -1,0 +1,273 @@
+//! What the commands for smoothed particle hydrodynamics share: frames in, their surroundings, numbered files out.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{anyhow, bail};
+use clap::Args;
+use fieldstone::io::{BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files};
+use fieldstone::particles::{Domain, Particles};
+use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::arguments::{Periodic, list, positive};
+use super::{outputs, report};
+
+/// Particles and everything about them that files do not say.
+#[derive(Debug, Args)]
+pub(crate) struct SphArguments {
+    /// Particles: BGEO, VTK (.vtu, .vtp, .vtk), PLY, XYZ, CSV, dumps; .gz too. A pattern for many: {} stands for a number,
+    /// * for any text
+    #[arg(long, value_name = "FILE|PATTERN")]
+    pub particles: String,
+    /// Frames to take, START:STOP:STEP or one number, from 0; negative ones count from the end [default: all where --out
+    /// holds {}, else the last]
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    pub frames: Option<FrameRange>,
+    /// Initial distance of the particles [default: estimated from their number density]
+    #[arg(long, value_name = "DX", value_parser = positive, allow_negative_numbers = true)]
+    pub spacing: Option<f64>,
+    /// 2 (z is ignored) or 3
+    #[arg(long, value_name = "D", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub dimension: u8,
+    /// Periodic directions: auto (those of the file), none, or e.g. xy
+    #[arg(long, default_value = "auto", value_name = "AXES")]
+    pub periodic: Periodic,
+    /// The periodic box, where the file states none
+    #[arg(long = "box", value_name = "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", value_parser = bounds, allow_hyphen_values = true)]
+    pub bounds: Option<[f64; 6]>,
+    /// A plane wall nx·x + ny·y + nz·z = d that mirrors particles; the normal points into the fluid. May be repeated
+    #[arg(long = "wall", value_name = "NX,NY,NZ,D", value_parser = wall, allow_hyphen_values = true)]
+    pub walls: Vec<Wall>,
+    /// Particles of which a column has this value are boundary: neighbours, but no fluid. May be repeated
+    #[arg(long, value_name = "FIELD=VALUE")]
+    pub boundary: Vec<Boundary>,
+}
+
+/// A condition on a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Boundary {
+    field: String,
+    value: f64,
+}
+
+impl FromStr for Boundary {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (field, value) = text.split_once('=').ok_or("give a column and a number, as in type=1")?;
+        let value = value.trim().parse().map_err(|_| format!("'{value}' is no number; as in type=1"))?;
+        Ok(Self { field: field.trim().into(), value })
+    }
+}
+
+fn bounds(text: &str) -> Result<[f64; 6], String> {
+    list(text, "0,1,0,1,0,2")
+}
+
+fn wall(text: &str) -> Result<Wall, String> {
+    let [x, y, z, d] = list(text, "0,0,1,0 for the floor z = 0")?;
+    Wall::new([x, y, z], d).map_err(|e| e.to_string())
+}
+
+impl SphArguments {
+    /// The frames, read ahead on a thread of their own.
+    pub fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
+        let files = find_files(&self.particles)?;
+        let range = match self.frames {
+            Some(range) => range,
+            None if out.is_numbered() => FrameRange::default(),
+            None if files.len() > 1 => bail!(
+                "--particles {}: {} files fit; choose one frame with --frames, or give --out with {{}} for the number",
+                self.particles,
+                files.len()
+            ),
+            None => "-1".parse::<FrameRange>().map_err(|e| anyhow!(e))?,
+        };
+        // Ellipsoids and clumps are no matter where only centres count.
+        let options = ParticleOptions { allow_non_spherical: true };
+        Ok(Series::new(files, options).with_range(range).in_background(1)?)
+    }
+
+    /// Files that must not be overwritten.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        find_files(&self.particles).unwrap_or_default()
+    }
+
+    /// Everything about the particles of a frame but their positions.
+    pub fn surroundings(&self, frame: &SeriesFrame) -> anyhow::Result<Surroundings> {
+        let particles = &frame.particles;
+        let file = frame.path.display();
+        let dimension = usize::from(self.dimension);
+        if particles.is_empty() {
+            bail!("{file}: the frame holds no particle; choose another with --frames");
+        }
+        let candidates = self.candidates(particles).map_err(|e| anyhow!("{file}: {e}"))?;
+        let spacing = match self.spacing {
+            Some(spacing) => spacing,
+            None => {
+                let fluid: Vec<[f64; 3]> = match &candidates {
+                    None => particles.positions().to_vec(),
+                    Some(fluid) => {
+                        let chosen = particles.positions().iter().zip(fluid).filter(|(_, fluid)| **fluid);
+                        chosen.map(|(p, _)| *p).collect()
+                    }
+                };
+                let estimate = estimate_spacing(&fluid, dimension).map_err(|e| anyhow!("{file}: {e}"))?;
+                let Some(estimate) = estimate else {
+                    bail!("{file}: {} particles are too few to estimate their spacing; give --spacing", fluid.len());
+                };
+                report::warn(&format!(
+                    "{file}: spacing {estimate:.6} estimated; give --spacing for the simulation's own"
+                ));
+                estimate
+            }
+        };
+        let volumes = volumes(particles);
+        if let Some(volumes) = &volumes {
+            // A spacing in another unit than the file's masses and densities shows here.
+            let mut sorted = volumes.clone();
+            sorted.sort_unstable_by(f64::total_cmp);
+            let from_volume = sorted[sorted.len() / 2].powf(1.0 / dimension as f64);
+            if !(0.5..=2.0).contains(&(from_volume / spacing)) {
+                report::warn(&format!(
+                    "{file}: mass over density is the volume of particles {from_volume:.3e} apart, but the spacing is \
+                     {spacing}; check the spacing and its unit"
+                ));
+            }
+        }
+        Ok(Surroundings {
+            spacing,
+            dimension,
+            domain: self.domain(particles)?,
+            walls: self.walls.clone(),
+            candidates,
+            volumes,
+        })
+    }
+
+    fn domain(&self, particles: &Particles) -> anyhow::Result<Option<Domain>> {
+        let given = match self.bounds {
+            None => None,
+            Some([x0, x1, y0, y1, z0, z1]) => {
+                let periodic = [true, true, self.dimension == 3];
+                Some(Domain::new([x0, y0, z0], [x1, y1, z1], periodic).map_err(|e| anyhow!("--box: {e}"))?)
+            }
+        };
+        if given.is_some() && self.periodic == Periodic::Auto {
+            bail!("--box: say along which axes the box is periodic, as in --periodic xy");
+        }
+        let Some(domain) = given.or(particles.domain().copied()) else {
+            return match self.periodic {
+                Periodic::Given(axes) if axes != [false; 3] => {
+                    bail!("--periodic needs a box, and the particle file states none; give --box")
+                }
+                _ => Ok(None),
+            };
+        };
+        let axes = match self.periodic {
+            Periodic::Auto => domain.periodic(),
+            Periodic::Given(axes) => axes,
+        };
+        Ok(axes.contains(&true).then(|| domain.with_periodic(axes)))
+    }
+
+    fn candidates(&self, particles: &Particles) -> anyhow::Result<Option<Vec<bool>>> {
+        if self.boundary.is_empty() {
+            return Ok(None);
+        }
+        let mut fluid = vec![true; particles.len()];
+        for Boundary { field, value } in &self.boundary {
+            let own;
+            let column: &[f64] = match (field.as_str(), particles.types()) {
+                ("type", Some(types)) => {
+                    own = types.iter().map(|&t| t as f64).collect::<Vec<_>>();
+                    &own
+                }
+                _ => {
+                    let column = particles.quantity(field).map_err(|e| anyhow!("--boundary {field}: {e}"))?;
+                    if column.components != 1 {
+                        bail!("--boundary {field}: the column has {} numbers per particle", column.components);
+                    }
+                    &column.data
+                }
+            };
+            for (fluid, found) in fluid.iter_mut().zip(column) {
+                *fluid &= found != value;
+            }
+        }
+        if !fluid.contains(&true) {
+            bail!("--boundary: every particle is boundary; check the column and its value");
+        }
+        Ok(Some(fluid))
+    }
+}
+
+/// m/ρ of each particle, where the file has both and they make sense.
+fn volumes(particles: &Particles) -> Option<Vec<f64>> {
+    let column = |name| particles.quantity(name).ok().filter(|q| q.components == 1).map(|q| &q.data);
+    let (mass, density) = (column("mass")?, column("density")?);
+    let volumes: Vec<f64> = mass.iter().zip(density).map(|(m, rho)| m / rho).collect();
+    volumes.iter().all(|v| *v > 0.0 && v.is_finite()).then_some(volumes)
+}
+
+/// The name of the output, with `{}` for the number of the frame where there are many.
+#[derive(Debug, Clone)]
+pub(crate) struct NumberedOutput {
+    option: &'static str,
+    path: PathBuf,
+}
+
+impl NumberedOutput {
+    pub fn new(option: &'static str, path: &Path) -> Self {
+        Self { option, path: path.into() }
+    }
+
+    pub fn is_numbered(&self) -> bool {
+        self.name().contains("{}")
+    }
+
+    fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The file for one frame.
+    pub fn at(&self, frame: usize) -> PathBuf {
+        if !self.is_numbered() {
+            return self.path.clone();
+        }
+        self.path.with_file_name(self.name().replacen("{}", &frame.to_string(), 1))
+    }
+
+    /// Refuses places that cannot be written to, before any work is done.
+    pub fn check(&self, others: &[&Path]) -> anyhow::Result<()> {
+        outputs::check(self.option, &self.at(0), others)
+    }
+
+    /// Refuses a second frame for one file.
+    pub fn check_room(&self, frames_before: usize) -> anyhow::Result<()> {
+        if frames_before > 0 && !self.is_numbered() {
+            bail!(
+                "{} {}: there is more than one frame; give a name with {{}} for its number, or one frame with --frames",
+                self.option,
+                self.path.display()
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Frames done, on standard error where that is a terminal.
+pub(crate) fn frame_progress() -> anyhow::Result<ProgressBar> {
+    let style = ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}, {msg}")?;
+    Ok(ProgressBar::new_spinner().with_style(style))
+}
+
+/// Where a result table or report mentions a frame.
+pub(crate) fn written(paths: &[PathBuf]) -> String {
+    match paths {
+        [] => "nothing".into(),
+        [one] => one.display().to_string(),
+        [first, .., last] => format!("{} … {}, {} files", first.display(), last.display(), paths.len()),
+    }
+}

@@ -1,0 +1,324 @@
+//! `fieldstone detect`, `grid`, `surface` and `reproduce surface` as users run them.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fmt::Write;
+
+use fieldstone::io::CsvTable;
+use fieldstone::io::vtk::read_vtk;
+use fieldstone::surface::TriangleMesh;
+use support::Folder;
+
+/// A block of 10 × 10 × 10 fluid particles 0.1 apart, floor at z = 0, with one layer of boundary (type 0) below it.
+fn block() -> String {
+    let mut text = String::from("x,y,z,type,mass,density,pressure\n");
+    for k in -1..10 {
+        for j in 0..10 {
+            for i in 0..10 {
+                let [x, y, z] = [i, j, k].map(|n| 0.1 * (f64::from(n) + 0.5));
+                let kind = i32::from(k >= 0);
+                let _ = writeln!(text, "{x},{y},{z},{kind},1,1000,{}", 5.0 - 3.0 * z + x);
+            }
+        }
+    }
+    text
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("block.csv", block());
+    let fluid: String = block().lines().filter(|line| !line.contains(",0,1,1000,")).map(|l| format!("{l}\n")).collect();
+    folder.write("fluid.csv", fluid);
+    folder
+}
+
+fn json(folder: &Folder, file: &str) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(folder.path(file)).unwrap()).unwrap()
+}
+
+#[track_caller]
+fn mentions(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "'{part}' is missing in:\n{message}");
+    }
+}
+
+/// Free-surface particles of the block where nothing is below it, and where something is.
+const BARE: usize = 1000 - 8 * 8 * 8;
+const ON_FLOOR: usize = 1000 - 8 * 8 * 9;
+
+#[test]
+fn detected_particles_come_with_their_own_columns_and_the_computed_ones() {
+    let folder = folder();
+    let run = folder.succeeds("detect --particles fluid.csv --spacing 0.1 --exposure --out out.vtp --json out.json");
+    insta::assert_snapshot!("detect_report", run.stdout);
+    let found = read_vtk(&folder.path("out.vtp")).unwrap();
+    let column = |name: &str| found.array(name).unwrap().values.to_f64();
+    let free = column("free_surface");
+    assert_eq!(free.iter().sum::<f64>() as usize, BARE);
+    assert_eq!(column("pressure").len(), 1000);
+    assert!(column("level").iter().zip(&free).all(|(level, free)| (*level == 0.0) == (*free == 1.0)));
+    // The normal of a particle in the middle of the upper face, and its exposure.
+    let top = found.points.iter().position(|p| p.iter().zip([0.45, 0.45, 0.95]).all(|(a, b)| (a - b).abs() < 1e-9));
+    let top = top.unwrap();
+    let normals = column("normal");
+    assert!((normals[3 * top + 2] - 1.0).abs() < 1e-9, "{:?}", &normals[3 * top..3 * top + 3]);
+    assert!(column("exposure").iter().zip(&free).all(|(cone, free)| (*cone > 45.0 + 1e-6) == (*free == 1.0)));
+    let summary = json(&folder, "out.json");
+    assert_eq!(summary["free_surface"], BARE);
+    for key in ["particles", "isolated", "duplicates"] {
+        assert!(summary[key].is_u64(), "{key}: {summary}");
+    }
+    assert!(summary["seconds"]["detect"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn walls_and_boundary_particles_take_the_floor_out_of_the_surface() {
+    let folder = folder();
+    for (line, expected) in [
+        ("--particles fluid.csv --wall 0,0,1,0", ON_FLOOR),
+        ("--particles fluid.csv --wall 0,0,1,0 --wall 1,0,0,0 --wall -1,0,0,-1", 1000 - 8 * 10 * 9),
+        ("--particles fluid.csv --periodic xy --box 0,1,0,1,0,5", 200),
+    ] {
+        folder.succeeds(&format!("detect {line} --spacing 0.1 --out out.csv --json out.json"));
+        assert_eq!(json(&folder, "out.json")["free_surface"], expected, "{line}");
+        let table = CsvTable::read(&folder.path("out.csv")).unwrap();
+        assert_eq!(table.column("free_surface").unwrap().iter().sum::<f64>() as usize, expected);
+    }
+    folder.succeeds("detect --particles block.csv --boundary type=0 --spacing 0.1 --out out.csv --json out.json");
+    let summary = json(&folder, "out.json");
+    assert_eq!((summary["boundary"].as_u64(), summary["particles"].as_u64()), (Some(100), Some(1100)));
+    assert_eq!(summary["free_surface"], ON_FLOOR);
+}
+
+#[test]
+fn the_comparison_tells_misses_from_false_positives() {
+    let folder = folder();
+    let methods = "geometrical,semi,haque,marrone,wang";
+    let run = folder.succeeds(&format!(
+        "detect --particles fluid.csv --spacing 0.1 --compare {methods} --out out.vtp --json out.json"
+    ));
+    mentions(&run.stdout, &["TP", "EP", "misses", "false positives", "haque"]);
+    let summary = json(&folder, "out.json");
+    let rows = summary["comparison"].as_array().unwrap();
+    assert_eq!(rows.len(), 5);
+    // On a lattice all methods agree.
+    assert!(rows.iter().all(|row| row["reference"] == BARE && row["misses"] == 0 && row["false_positives"] == 0));
+    // A cone twice as wide as the paper's misses the rest.
+    folder.succeeds(
+        "detect --particles fluid.csv --spacing 0.1 --theta 80 --compare haque --out out.vtp --json out.json",
+    );
+    let wide = json(&folder, "out.json");
+    let row = &wide["comparison"][0];
+    let count = |key: &str| row[key].as_u64().unwrap();
+    assert_eq!(count("reference") - count("misses") + count("false_positives"), count("free_surface"));
+}
+
+#[test]
+fn a_sequence_gives_one_file_per_frame_and_a_table() {
+    let folder = folder();
+    for (number, source) in [(9, "fluid.csv"), (10, "block.csv")] {
+        folder.copy(&folder.path(source), &format!("part_{number}.csv"));
+    }
+    let run = folder.succeeds("detect --particles part_{}.csv --spacing 0.1 --out found_{}.vtp --json all.json");
+    mentions(&run.stdout, &["found_0.vtp … found_1.vtp, 2 files"]);
+    let all = json(&folder, "all.json");
+    assert_eq!((all[0]["file"].as_str(), all[0]["particles"].as_u64()), (Some("part_9.csv"), Some(1000)));
+    assert_eq!(all[1]["particles"], 1100);
+    assert!(folder.path("found_1.vtp").is_file());
+    let message = folder.fails("detect --particles part_{}.csv --spacing 0.1 --out found.vtp");
+    mentions(&message, &["2 files fit", "--frames", "{}"]);
+    folder.succeeds("detect --particles part_{}.csv --frames 1 --spacing 0.1 --out one.vtp --json one.json");
+    assert_eq!(json(&folder, "one.json")["particles"], 1100);
+}
+
+#[test]
+fn the_spacing_is_estimated_and_an_implausible_one_is_warned_of() {
+    let folder = folder();
+    let run = folder.succeeds("detect --particles fluid.csv --out out.vtp --json out.json");
+    mentions(&run.stderr, &["warning: fluid.csv: spacing 0.", "estimated; give --spacing"]);
+    assert_eq!(json(&folder, "out.json")["free_surface"], BARE);
+    let run = folder.succeeds("detect --particles fluid.csv --spacing 1 --method exact --labels-only --out out.vtp");
+    mentions(&run.stderr, &["nearest neighbours are typically 1.000e-1 apart, but the spacing is 1"]);
+    let run = folder.succeeds("detect --particles fluid.csv --spacing 0.01 --labels-only --out out.vtp");
+    mentions(&run.stderr, &["the spacing 0.01 is too small"]);
+}
+
+#[test]
+fn bad_arguments_and_files_are_refused_with_the_remedy() {
+    let folder = folder();
+    folder.write("nan.csv", "x,y,z\n0,0,0\n1,nan,0\n");
+    folder.write("two.csv", "x,y,z\n0,0,0\n1,0,0\n");
+    let base = "detect --particles fluid.csv --spacing 0.1";
+    for (line, parts) in [
+        (format!("{base} --out out.txt"), &["--out out.txt", ".vtp or .csv"][..]),
+        (format!("{base} --method sun --out out.vtp"), &["--method sun", "3 dimensions", "--dimension"]),
+        (format!("{base} --theta 95 --out out.vtp"), &["--theta", "95", "below 90"]),
+        (format!("{base} --boundary kind=1 --out out.vtp"), &["--boundary kind", "fluid.csv", "pressure"]),
+        (format!("{base} --periodic x --out out.vtp"), &["--periodic", "--box"]),
+        (format!("{base} --frames 7 --out out.vtp"), &["no such frame"]),
+        ("detect --particles nan.csv --spacing 1 --out out.vtp".into(), &["nan.csv"]),
+        ("detect --particles two.csv --out out.vtp".into(), &["two.csv: 2 particles are too few", "--spacing"]),
+        ("surface --particles fluid.csv --spacing 0.1 --out out.stp".into(), &[".vtp, .ply, .obj or .stl"]),
+        ("surface --particles fluid.csv --spacing 0.1 --fields pressure --out out.stl".into(), &["--fields", ".ply"]),
+        ("surface --particles fluid.csv --spacing 0.1 --fields speed --out out.ply".into(), &["speed", "pressure"]),
+        ("grid --particles fluid.csv --spacing 0.1 --slice y=9 --out out.vti".into(), &["--slice", "9"]),
+        ("grid --particles fluid.csv --spacing 0.1 --out out.vtu".into(), &["use .vti"]),
+        ("grid --particles fluid.csv --spacing 0.1 --cell 1e-9 --out out.vti".into(), &["--cell"]),
+    ] {
+        mentions(&folder.fails(&line), parts);
+    }
+}
+
+#[test]
+fn surfaces_are_watertight_in_every_format_and_carry_fields() {
+    let folder = folder();
+    let common = "surface --particles fluid.csv --spacing 0.1";
+    for from in ["level-set", "density"] {
+        for out in ["out.vtp", "out.ply", "out.obj", "out.stl"] {
+            folder.succeeds(&format!("{common} --from {from} --out {out} --json out.json"));
+            let summary = json(&folder, "out.json");
+            assert_eq!(
+                (&summary["closed"], &summary["manifold"], &summary["parts"]),
+                (&true.into(), &true.into(), &1.into())
+            );
+            let volume = summary["volume"].as_f64().unwrap();
+            assert!((volume - 1.0).abs() < 0.06, "{from}: {volume}");
+        }
+    }
+    let run = folder.succeeds(&format!("{common} --fields pressure --out out.vtp"));
+    mentions(&run.stdout, &["watertight           yes", "manifold             yes", "particle volume      1"]);
+    let found = read_vtk(&folder.path("out.vtp")).unwrap();
+    let triangles = (0..found.cells.len()).map(|c| found.cells.corners(c).try_into().unwrap()).collect();
+    let mesh = TriangleMesh { points: found.points.clone(), triangles, normals: Vec::new() };
+    assert!(mesh.topology().unwrap().is_closed());
+    // The field is linear, which moving least squares give back.
+    for (p, value) in found.points.iter().zip(found.array("pressure").unwrap().values.to_f64()) {
+        assert!((value - (5.0 - 3.0 * p[2] + p[0])).abs() < 1e-9, "{p:?}: {value}");
+    }
+    assert_eq!(found.array("Normals").unwrap().components, 3);
+    folder.succeeds(&format!("{common} --fields pressure --out out.ply"));
+    let bytes = std::fs::read(folder.path("out.ply")).unwrap();
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]).into_owned();
+    mentions(
+        &header,
+        &[&format!("element vertex {}\n", mesh.points.len()), "property double nz\nproperty double pressure\n"],
+    );
+}
+
+#[test]
+fn an_open_surface_ends_at_the_wall() {
+    let folder = folder();
+    let common = "surface --particles fluid.csv --spacing 0.1 --wall 0,0,1,0 --out out.ply --json out.json";
+    folder.succeeds(common);
+    let closed = json(&folder, "out.json");
+    folder.succeeds(&format!("{common} --at-walls open"));
+    let open = json(&folder, "out.json");
+    assert!(closed["closed"] == true && open["closed"] == false && open["manifold"] == true);
+    assert!(open["volume"].is_null() && open["open_edges"].as_u64().unwrap() > 0);
+    let floor = closed["area"].as_f64().unwrap() - open["area"].as_f64().unwrap();
+    assert!((floor - 1.0).abs() < 0.15, "{floor}");
+}
+
+#[test]
+fn gridded_fields_are_linear_and_shared_out_amounts_keep_their_total() {
+    let folder = folder();
+    let run =
+        folder.succeeds("grid --particles fluid.csv --spacing 0.1 --conserve mass,pressure --cell 1.5 --out out.vti");
+    let found = read_vtk(&folder.path("out.vti")).unwrap();
+    let image = found.image.as_ref().unwrap();
+    let [nx, ny, _] = image.cells.map(|n| n + 1);
+    let column = |name: &str| found.array(name).unwrap().values.to_f64();
+    let (pressure, support, level) = (column("pressure"), column("support"), column("level_set"));
+    let mut inside = 0;
+    for node in 0..image.point_count() {
+        let at = [node % nx, node / nx % ny, node / (nx * ny)];
+        let p: [f64; 3] = std::array::from_fn(|k| image.origin[k] + image.spacing[k] * at[k] as f64);
+        if support[node] == 2.0 {
+            inside += 1;
+            assert!((pressure[node] - (5.0 - 3.0 * p[2] + p[0])).abs() < 1e-9);
+        } else {
+            assert!(pressure[node] == 0.0 && level[node] <= -0.125);
+        }
+    }
+    assert!(inside > 200);
+    let total = |values: &[f64]| values.iter().sum::<f64>();
+    assert!((total(&column("mass_total")) / 1000.0 - 1.0).abs() < 1e-13);
+    let table = CsvTable::read(&folder.path("fluid.csv")).unwrap();
+    let amount = total(&table.column("pressure").unwrap());
+    assert!((total(&column("pressure_total")) / amount - 1.0).abs() < 1e-13);
+    mentions(&run.stdout, &["mass of particles", "mass of cells        1000"]);
+
+    folder.succeeds("grid --particles fluid.csv --spacing 0.1 --fields pressure --slice z=0.5 --out out.vti");
+    let slice = read_vtk(&folder.path("out.vti")).unwrap();
+    assert_eq!((slice.image.as_ref().unwrap().cells[2], slice.image.as_ref().unwrap().origin[2]), (0, 0.5));
+    assert!(slice.array("pressure").unwrap().values.to_f64().iter().any(|p| *p > 0.0));
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let folder = folder();
+    for (command, out) in
+        [("detect --exposure", "vtp"), ("surface --fields pressure", "ply"), ("grid --conserve mass", "vti")]
+    {
+        for threads in [1, 3] {
+            let rest = format!("--particles block.csv --boundary type=0 --spacing 0.1 --threads {threads}");
+            folder.succeeds(&format!("{command} {rest} --out {threads}.{out}"));
+        }
+        let [one, three] = [1, 3].map(|threads| std::fs::read(folder.path(&format!("{threads}.{out}"))).unwrap());
+        assert!(one == three, "{command}");
+    }
+}
+
+#[test]
+fn the_figures_agree_with_the_paper() {
+    let folder = folder();
+    folder.succeeds("reproduce surface out --only fig6,fig7,fig8");
+    for name in ["fig7", "fig8"] {
+        let text = std::fs::read_to_string(folder.path(&format!("out/{name}.csv"))).unwrap();
+        assert!(text.lines().count() >= 7);
+        for line in text.lines().skip(1) {
+            let words: Vec<&str> = line.split(',').collect();
+            assert_eq!(words[2], words[3], "{line}");
+        }
+        let picture = std::fs::read(folder.path(&format!("out/{name}.png"))).unwrap();
+        assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000);
+    }
+    let angles = CsvTable::read(&folder.path("out/eq31.csv")).unwrap();
+    for ((limit, inner), free) in angles
+        .column("smallest_angle")
+        .unwrap()
+        .iter()
+        .zip(angles.column("inner_at").unwrap())
+        .zip(angles.column("free_at").unwrap())
+    {
+        assert!((limit - inner).abs() < 1e-4 && (free - limit).abs() < 1e-4 && inner < free);
+    }
+    let page = std::fs::read_to_string(folder.path("out/index.md")).unwrap();
+    mentions(&page, &["the same digits", "6 of 6", "9 of 9"]);
+}
+
+#[test]
+fn frames_of_the_user_are_compared_by_all_methods() {
+    let folder = folder();
+    folder.succeeds("reproduce surface out --only tables --frames fluid.csv,block.csv --spacing 0.1");
+    let text = std::fs::read_to_string(folder.path("out/tables.csv")).unwrap();
+    assert_eq!(text.lines().count(), 1 + 2 * 6);
+    for line in text.lines().filter(|line| line.contains("geometrical") || line.contains("exact")) {
+        assert!(line.contains(",0,1.000,0,0,"), "{line}");
+    }
+    let run =
+        folder.fieldstone("reproduce surface out --only tables --frames fluid.csv,block.csv --spacing 0.1,0.1,0.2");
+    assert_eq!(run.code, Some(1));
+    mentions(&run.stderr, &["--spacing: 3 numbers for 2 frames"]);
+}
+
+#[test]
+fn the_help_of_the_free_surface_commands_reads_well() {
+    let folder = Folder::new();
+    insta::assert_snapshot!("help_detect", folder.succeeds("detect --help").stdout);
+    insta::assert_snapshot!("help_grid", folder.succeeds("grid --help").stdout);
+    insta::assert_snapshot!("help_surface", folder.succeeds("surface --help").stdout);
+}
