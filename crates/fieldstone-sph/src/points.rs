@@ -95,11 +95,6 @@ impl Points {
         })
     }
 
-    /// Reach of the lists.
-    pub(crate) fn reach(&self) -> f64 {
-        self.grid.reach()
-    }
-
     pub(crate) fn grid(&self) -> &NeighbourGrid {
         &self.grid
     }
@@ -216,11 +211,6 @@ impl Points {
             Kind::Body(_) => 0,
             Kind::Image(image) => fluid[self.ghosts.images[image].0 as usize],
         });
-    }
-
-    /// Number of images and bodies' ghosts.
-    pub(crate) fn ghost_count(&self) -> usize {
-        self.grid.point_count() - self.fluid_count
     }
 
     /// Images at the present positions, for a search of another reach.

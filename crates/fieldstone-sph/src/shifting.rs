@@ -5,6 +5,9 @@ use crate::{FluidOptions, ShiftingOptions};
 /// Where a particle is: region F of Eq. 11.
 pub(crate) const FREE: u8 = 1;
 
+/// Added to the distance squared of a neighbour, by whether it is on the free surface.
+const FAR: [f64; 2] = [f64::INFINITY, 0.0];
+
 /// Shift of each particle and the region it is in.
 ///
 /// Source: `liu2022`, Eq. 10, 11.
@@ -50,10 +53,10 @@ impl<'a> Shift<'a> {
     }
 }
 
-/// Distances squared of one particle's neighbours.
+/// Displacements to one particle's neighbours, distances squared, volumes.
 #[derive(Debug, Default)]
 pub(crate) struct ShiftScratch {
-    squared: Vec<f64>,
+    blocks: Vec<[[f64; LANES]; 5]>,
 }
 
 impl PairSum for Shift<'_> {
@@ -68,47 +71,64 @@ impl PairSum for Shift<'_> {
             return ([0.0; 3], 0);
         }
         let [xi, yi, zi, ..] = self.carriers[rank];
-        scratch.squared.resize(list.len(), 0.0);
-        let squared = &mut scratch.squared[..list.len()];
+        scratch.blocks.resize(list.len() / LANES, [[0.0; LANES]; 5]);
+        let blocks = &mut scratch.blocks[..list.len() / LANES];
         let reach = 2.0 * self.h;
-        let mut nearest = reach * reach;
-        for (k, &j) in list.iter().enumerate() {
-            let j = j as usize;
-            let c = &self.carriers[j];
-            let (dx, dy, dz) = (c[0] - xi, c[1] - yi, c[2] - zi);
-            let s = dx * dx + dy * dy + dz * dz;
-            squared[k] = s;
-            let s = if self.flags[j] == FREE { s } else { f64::INFINITY };
-            nearest = if s < nearest { s } else { nearest };
-        }
-        let inside = nearest >= reach * reach;
-        let base = if inside { 1.0 } else { 0.0 };
-        let mut total = [[0.0f64; LANES]; 3];
-        for (block, squares) in list.chunks_exact(LANES).zip(squared.chunks_exact(LANES)) {
-            let (mut x, mut y, mut z, mut v) =
-                ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
+        let mut nearest = [reach * reach; LANES];
+        for (block, out) in list.chunks_exact(LANES).zip(blocks.iter_mut()) {
+            let (mut x, mut y, mut z) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
+            let mut v = [0.0f64; LANES];
+            // Far away where the neighbour is not on the free surface.
+            let mut away = [0.0f64; LANES];
             for l in 0..LANES {
                 let j = &self.carriers[block[l] as usize];
                 x[l] = j[0];
                 y[l] = j[1];
                 z[l] = j[2];
                 v[l] = j[3];
+                away[l] = FAR[usize::from(self.flags[block[l] as usize] & 1)];
             }
+            let [ox, oy, oz, os, ov] = out;
+            for l in 0..LANES {
+                let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
+                let s = dx * dx + dy * dy + dz * dz;
+                ox[l] = dx;
+                oy[l] = dy;
+                oz[l] = dz;
+                os[l] = s;
+                ov[l] = v[l];
+                let s = s + away[l];
+                nearest[l] = if s < nearest[l] { s } else { nearest[l] };
+            }
+        }
+        let mut closest = nearest[0];
+        for s in nearest {
+            closest = if s < closest { s } else { closest };
+        }
+        let inside = closest >= reach * reach;
+        let base = if inside { 1.0 } else { 0.0 };
+        let mut total = [[0.0f64; LANES]; 3];
+        for [dx, dy, dz, squares, v] in blocks.iter() {
+            let (mut cube, mut relative) = ([0.0f64; LANES], [0.0f64; LANES]);
             for l in 0..LANES {
                 let p = squares[l].sqrt() * self.inverse_reach;
                 let left = 1.0 - p;
                 let left = if left > 0.0 { left } else { 0.0 };
-                let cube = left * left * left;
-                let relative = self.relative * (1.0 + 4.0 * p) * (cube * left);
-                let mut power = relative;
-                for _ in 1..self.n {
-                    power *= relative;
+                cube[l] = left * left * left;
+                relative[l] = self.relative * (1.0 + 4.0 * p) * (cube[l] * left);
+            }
+            let mut power = relative;
+            for _ in 1..self.n {
+                for l in 0..LANES {
+                    power[l] *= relative[l];
                 }
-                let g = cube * v[l] * (base + self.r * power);
-                let g = if squares[l] < nearest { g } else { 0.0 };
-                total[0][l] += g * (x[l] - xi);
-                total[1][l] += g * (y[l] - yi);
-                total[2][l] += g * (z[l] - zi);
+            }
+            for l in 0..LANES {
+                let g = cube[l] * v[l] * (base + self.r * power[l]);
+                let g = if squares[l] < closest { g } else { 0.0 };
+                total[0][l] += g * dx[l];
+                total[1][l] += g * dy[l];
+                total[2][l] += g * dz[l];
             }
         }
         let mut shift = [0.0; 3];

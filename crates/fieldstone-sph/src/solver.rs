@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
 use crate::error::check;
+use crate::ghosts::Ghosts;
 use crate::phases::{Phase, Phases};
 use crate::rates::Rate;
 use crate::shifting::{FREE, Shift};
@@ -279,14 +280,11 @@ impl Solver {
         self.energies().total() - b.start - gains
     }
 
-    /// Ghosts, of walls and bodies, within the kernel's reach of the boundaries; images of particles within the
-    /// lists' margin count, too.
-    ///
-    /// # Errors
-    /// As [`step`](Self::step).
-    pub fn ghost_count(&mut self) -> Result<usize, SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
-        Ok(self.stage.points.ghost_count())
+    /// Ghosts within the kernel's reach of the boundaries: images of particles, and particles of bodies.
+    pub fn ghost_count(&self) -> usize {
+        let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
+        ghosts.rebuild(&self.state.x, &self.flow.boundaries, self.flow.fluid.kernel().reach());
+        ghosts.images.len() + self.stage.points.bodies.x.len()
     }
 
     /// Mean number of points within the kernel's reach and the lists' margin, the particle itself left out.

@@ -8,6 +8,8 @@
 //! | [`mesh`] | polyhedral meshes and Cartesian grids, ball-in-mesh |
 //! | [`particles`] | particle sets, periodic boxes |
 //! | [`fields`] | binning weights, solid fractions |
+//! | [`surface`] | free-surface particles of SPH |
+//! | [`sph`] | the δ-SPH solver |
 //! | [`io`] | OpenFOAM, Gmsh, VTK, LIGGGHTS and LAMMPS dumps, CSV, … |
 //!
 //! The solid fraction of one cell of a simple cubic packing:
@@ -29,3 +31,5 @@ pub use fieldstone_geometry as geometry;
 pub use fieldstone_io as io;
 pub use fieldstone_mesh as mesh;
 pub use fieldstone_particles as particles;
+pub use fieldstone_sph as sph;
+pub use fieldstone_surface as surface;

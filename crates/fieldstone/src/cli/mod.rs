@@ -10,6 +10,7 @@ mod overlap;
 mod picture;
 mod report;
 mod reproduce;
+mod sph;
 mod timing;
 
 use std::process::ExitCode;
@@ -50,6 +51,7 @@ enum Command {
     Info(info::Info),
     Demo(demo::Demo),
     Reproduce(reproduce::Reproduce),
+    Sph(sph::Sph),
     Completions(manual::Completions),
     Manual(manual::Manual),
 }
@@ -75,6 +77,7 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
         Command::Reproduce(command) => command.run(),
+        Command::Sph(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Manual(command) => command.run(),
     }
