@@ -11,7 +11,7 @@
 
 use std::time::Instant;
 
-use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Phase, ShiftingOptions, Shape, Slip, Solver, State};
+use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Phase, Shape, ShiftingOptions, Slip, Solver, State};
 use fieldstone_surface::{Method, Wall};
 
 fn dam_break(side: usize, smoothing: f64) -> (Flow, State) {

@@ -1,4 +1,3 @@
-use std::io::Write;
 use std::path::Path;
 
 use fieldstone_io::AtomicFile;
@@ -41,7 +40,8 @@ impl Solver {
     /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow.
     pub fn read_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
         let fault = |message: &str| SphError::Checkpoint { file: path.display().to_string(), message: message.into() };
-        let bytes = std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
+        let bytes =
+            std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
         let Some((head, body)) = bytes.split_at_checked(16) else {
             return Err(fault("this is no checkpoint: it ends within the head; remove it and start anew"));
         };
@@ -80,10 +80,19 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     word(budget.removed);
     word(budget.reflections);
     word(budget.singular);
-    let Budget { start, viscous, diffusive, boundaries, shifting, surface_tension, removed_energy, removed_mass, .. } =
-        *budget;
+    let Budget {
+        start, viscous, diffusive, boundaries, shifting, surface_tension, removed_energy, removed_mass, ..
+    } = *budget;
     for x in [
-        *time, *last_step, start, viscous, diffusive, boundaries, shifting, surface_tension, removed_energy,
+        *time,
+        *last_step,
+        start,
+        viscous,
+        diffusive,
+        boundaries,
+        shifting,
+        surface_tension,
+        removed_energy,
         removed_mass,
     ] {
         word(x.to_bits());

@@ -12,9 +12,27 @@ use crate::{GaugeKind, GaugeSection, Solver, SphError};
 /// | `momentum_x`, … | momentum |
 pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
     let mut names: Vec<String> = [
-        "time", "step", "dt", "particles", "free_surface", "kinetic", "potential", "compression", "viscous",
-        "diffusive", "boundaries", "shifting", "surface_tension", "removed_energy", "residual", "removed_mass",
-        "reflections", "singular", "momentum_x", "momentum_y", "momentum_z",
+        "time",
+        "step",
+        "dt",
+        "particles",
+        "free_surface",
+        "kinetic",
+        "potential",
+        "compression",
+        "viscous",
+        "diffusive",
+        "boundaries",
+        "shifting",
+        "surface_tension",
+        "removed_energy",
+        "residual",
+        "removed_mass",
+        "reflections",
+        "singular",
+        "momentum_x",
+        "momentum_y",
+        "momentum_z",
     ]
     .map(String::from)
     .to_vec();

@@ -69,7 +69,8 @@ pub(crate) struct Ghosts {
 
 impl Ghosts {
     pub(crate) fn new(boundaries: &Boundaries, dimension: usize, rest: [f64; 3]) -> Self {
-        let mut operations: Vec<Operation> = (0..boundaries.walls.len()).map(|wall| Operation::Mirror { wall }).collect();
+        let mut operations: Vec<Operation> =
+            (0..boundaries.walls.len()).map(|wall| Operation::Mirror { wall }).collect();
         for axis in (0..dimension).filter(|&k| boundaries.periodic[k]) {
             let length = boundaries.high[axis] - boundaries.low[axis];
             operations.push(Operation::Shift { axis, length });

@@ -190,13 +190,7 @@ pub struct TimeStepOptions {
 
 impl Default for TimeStepOptions {
     fn default() -> Self {
-        Self {
-            integrator: Integrator::Symplectic,
-            cfl: 0.25,
-            viscous: 0.125,
-            capillary: 0.25,
-            largest: f64::INFINITY,
-        }
+        Self { integrator: Integrator::Symplectic, cfl: 0.25, viscous: 0.125, capillary: 0.25, largest: f64::INFINITY }
     }
 }
 

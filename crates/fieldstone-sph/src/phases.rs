@@ -21,15 +21,8 @@ pub enum Phase {
 
 impl Phase {
     /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Neighbours,
-        Self::Columns,
-        Self::Gradient,
-        Self::Rates,
-        Self::Detection,
-        Self::Shifting,
-        Self::Rest,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Neighbours, Self::Columns, Self::Gradient, Self::Rates, Self::Detection, Self::Shifting, Self::Rest];
 
     /// Name in tables.
     pub fn name(self) -> &'static str {

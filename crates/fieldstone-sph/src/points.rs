@@ -109,8 +109,7 @@ impl Points {
         self.images.clear();
         let (ghosts, images) = (&self.ghosts, &mut self.images);
         images.extend(
-            (0..ghosts.images.len())
-                .map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
+            (0..ghosts.images.len()).map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
         );
         self.grid.rebuild(&self.positions, &self.images)?;
         Ok(())
@@ -218,8 +217,7 @@ impl Points {
         images.clear();
         let ghosts = &self.ghosts;
         images.extend(
-            (0..ghosts.images.len())
-                .map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
+            (0..ghosts.images.len()).map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
         );
     }
 

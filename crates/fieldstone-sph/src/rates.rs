@@ -158,11 +158,7 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
         let diffusion = self.diffusion * self.factor * total(&diffusion);
         let compression = self.mass * self.stiffness * excess / (ri * ri);
         Rate {
-            acceleration: [
-                (px + fx) + self.gravity[0],
-                (py + fy) + self.gravity[1],
-                (pz + fz) + self.gravity[2],
-            ],
+            acceleration: [(px + fx) + self.gravity[0], (py + fy) + self.gravity[1], (pz + fz) + self.gravity[2]],
             density: divergence + diffusion,
             viscous_power: self.mass * (fx * ui + fy * vi + fz * wi),
             diffusive_power: compression * diffusion,

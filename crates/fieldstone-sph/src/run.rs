@@ -221,9 +221,8 @@ impl Table {
         if let Some(time) = until
             && let Ok(old) = std::fs::read_to_string(path)
         {
-            let in_time = |row: &&str| {
-                row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time)
-            };
+            let in_time =
+                |row: &&str| row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time);
             for row in old.lines().skip(1).filter(in_time) {
                 kept.push_str(row);
                 kept.push('\n');

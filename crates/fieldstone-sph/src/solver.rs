@@ -11,7 +11,9 @@ use crate::phases::{Phase, Phases};
 use crate::rates::Rate;
 use crate::shifting::{FREE, Shift};
 use crate::stage::Stage;
-use crate::{Boundaries, Budget, Energies, FluidOptions, Integrator, ShiftingOptions, SphError, State, TimeStepOptions};
+use crate::{
+    Boundaries, Budget, Energies, FluidOptions, Integrator, ShiftingOptions, SphError, State, TimeStepOptions,
+};
 
 /// Everything that a flow is, but for its state.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +46,12 @@ impl Flow {
     pub fn validate(&self) -> Result<(), SphError> {
         self.fluid.validate()?;
         self.time_step.validate()?;
-        check("the lists' margin over the spacing", self.skin, self.skin > 0.0 && self.skin <= 2.0, "above 0, at most 2")?;
+        check(
+            "the lists' margin over the spacing",
+            self.skin,
+            self.skin > 0.0 && self.skin <= 2.0,
+            "above 0, at most 2",
+        )?;
         self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
         if let Some(shifting) = &self.shifting {
             shifting.validate()?;
@@ -172,7 +179,8 @@ impl Solver {
                 return Err(SphError::Length { name, found, expected: count });
             }
         }
-        let wanted = flow.detection.or((flow.shifting.is_some() || flow.fluid.tensile_control).then_some(Method::Exact));
+        let wanted =
+            flow.detection.or((flow.shifting.is_some() || flow.fluid.tensile_control).then_some(Method::Exact));
         let detector = wanted.map(Detector::new).transpose()?;
         Ok(Self {
             regions: vec![2; count],
@@ -285,6 +293,40 @@ impl Solver {
         let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
         ghosts.rebuild(&self.state.x, &self.flow.boundaries, self.flow.fluid.kernel().reach());
         ghosts.images.len() + self.stage.points.bodies.x.len()
+    }
+
+    /// Labels of the present state by any detection method: true for the free surface.
+    ///
+    /// # Errors
+    /// As [`SurfaceDetection::label`].
+    pub fn labels(&self, method: &dyn SurfaceDetection) -> Result<Vec<bool>, SphError> {
+        let fluid = &self.flow.fluid;
+        let reach = method.reach(fluid.spacing);
+        let mut ghosts = Ghosts::new(&self.flow.boundaries, fluid.dimension, [0.0; 3]);
+        ghosts.rebuild(&self.state.x, &self.flow.boundaries, reach * (1.0 + 1e-9));
+        let image = |i: usize| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, &self.state.x) };
+        let images: Vec<Image> = (0..ghosts.images.len()).map(image).collect();
+        let (positions, candidates, volumes) = self.surroundings();
+        let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
+        let grid = NeighbourGrid::build_with_images(&positions, &images, options)?;
+        let scene =
+            Scene { grid: &grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
+        let mut labels = method.detect(&scene)?.labels();
+        labels.truncate(self.state.len());
+        Ok(labels)
+    }
+
+    /// Positions, which of them are fluid, and volumes, of fluid particles and bodies' ghosts.
+    fn surroundings(&self) -> (Vec<[f64; 3]>, Vec<bool>, Vec<f64>) {
+        let bodies = &self.stage.points.bodies;
+        let mut positions = self.state.x.clone();
+        positions.extend_from_slice(&bodies.x);
+        let mut candidates = vec![true; self.state.len()];
+        candidates.resize(positions.len(), false);
+        let mass = self.flow.fluid.particle_mass();
+        let mut volumes: Vec<f64> = self.state.density.iter().map(|d| mass / d).collect();
+        volumes.extend_from_slice(&bodies.volume);
+        (positions, candidates, volumes)
     }
 
     /// Mean number of points within the kernel's reach and the lists' margin, the particle itself left out.
@@ -587,15 +629,10 @@ impl Solver {
     fn detect(&mut self) -> Result<(), SphError> {
         self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
+        let (positions, candidates, volumes) = self.surroundings();
         let Some(detector) = &mut self.detector else { return Ok(()) };
         let points = &self.stage.points;
         let (fluid, count) = (&self.flow.fluid, self.state.len());
-        let mut positions = self.state.x.clone();
-        positions.extend_from_slice(&points.bodies.x);
-        let mut candidates = vec![true; count];
-        candidates.resize(positions.len(), false);
-        let mut volumes: Vec<f64> = self.state.density.iter().map(|d| fluid.particle_mass() / d).collect();
-        volumes.extend_from_slice(&points.bodies.volume);
         points.images_of(&self.state.x, &mut self.images);
         let reach = detector.reach(fluid.spacing);
         let grid = match &mut self.detection_grid {
@@ -608,12 +645,7 @@ impl Solver {
                 none.insert(NeighbourGrid::build_with_images(&positions, &self.images, options)?)
             }
         };
-        let scene = Scene {
-            grid,
-            spacing: fluid.spacing,
-            volumes: Some(&volumes),
-            candidates: Some(&candidates),
-        };
+        let scene = Scene { grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
         match detector {
             Detector::Exact(exact, cache) => exact.label_with(&scene, cache, &mut self.detection)?,
             Detector::Other(method) => method.label(&scene, &mut self.detection)?,

@@ -85,7 +85,8 @@ fn a_body_that_is_too_thin_and_a_slab_that_is_too_narrow_are_refused() {
 /// A dam break of half a second of computing, with outputs as given.
 fn small(every: f64, end: f64) -> Case {
     let text = shipped("column-1-2").text().replace("spacing = 0.004", "spacing = 0.0146");
-    let text = text.replace("every = 0.02\n", &format!("every = {every}\n")).replace("end = 0.5", &format!("end = {end}"));
+    let text =
+        text.replace("every = 0.02\n", &format!("every = {every}\n")).replace("end = 0.5", &format!("end = {end}"));
     Case::parse(&text, "small.toml").unwrap()
 }
 
@@ -174,7 +175,8 @@ fn a_run_that_breaks_names_the_particle_and_keeps_the_last_good_checkpoint() {
     run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
     let good = final_checkpoint(&folder);
     // Closed on the right, with no wall there: the fluid runs out of the domain.
-    let text = small(0.02, 1.0).text().replace("kind = \"tank\"", "kind = \"plane\"\npoint = [0.0, 0.0]\nnormal = [0.0, 1.0]");
+    let text =
+        small(0.02, 1.0).text().replace("kind = \"tank\"", "kind = \"plane\"\npoint = [0.0, 0.0]\nnormal = [0.0, 1.0]");
     let text = text.replace("high = [0.584, 0.6]", "high = [0.2, 0.6]");
     let case = Case::parse(&text, "leak.toml").unwrap();
     let error = run(&case, &folder, false, &never, |_| ()).unwrap_err();

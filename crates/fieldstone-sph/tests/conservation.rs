@@ -105,6 +105,7 @@ fn what_leaves_through_the_open_top_is_counted_with_its_mass_and_energy() {
     }
     let mut flow = flow;
     flow.fluid.expected_speed = 2.9;
+    flow.boundaries.high[1] = 0.45;
     let count = state.len();
     let mut solver = Solver::new(flow, state).unwrap();
     run(&mut solver, 0.25);

@@ -187,9 +187,8 @@ impl Case {
         let f = &s.fluid;
         let mut fluid = FluidOptions::new(s.dimension, s.spacing, f.expected_speed, f.expected_pressure);
         fluid.density = f.density;
-        fluid.sound_speed = f.sound_speed.unwrap_or_else(|| {
-            crate::sound_speed_bound(f.density, f.expected_speed, f.expected_pressure)
-        });
+        fluid.sound_speed =
+            f.sound_speed.unwrap_or_else(|| crate::sound_speed_bound(f.density, f.expected_speed, f.expected_pressure));
         fluid.smoothing = f.smoothing;
         fluid.viscosity = match (f.viscosity, f.alpha) {
             (Some(mu), _) => Viscosity::Dynamic(mu),
@@ -295,8 +294,7 @@ impl Case {
         }
         for (nth, wall) in s.wall.iter().enumerate() {
             let mut add = |normal: [f64; 3], offset: f64| -> Result<(), SphError> {
-                let plane =
-                    Wall::new(normal, offset).map_err(|e| self.fault("wall", nth, "normal", e.to_string()))?;
+                let plane = Wall::new(normal, offset).map_err(|e| self.fault("wall", nth, "normal", e.to_string()))?;
                 boundaries.walls.push(MirrorWall { plane, slip: wall.slip.into() });
                 Ok(())
             };

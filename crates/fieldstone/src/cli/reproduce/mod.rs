@@ -2,6 +2,8 @@
 
 mod approximations;
 mod clock;
+mod dam_break;
+mod dam_break_picture;
 mod fig10;
 mod fig11;
 mod fig12;
@@ -33,6 +35,7 @@ pub(crate) struct Reproduce {
 #[derive(Debug, Subcommand)]
 enum What {
     Overlap(Overlap),
+    DamBreak(dam_break::DamBreak),
 }
 
 /// Overlap of spheres and mesh elements: Strobl, Formella and Pöschel (2016), Sec. 5
@@ -89,8 +92,10 @@ struct Settings {
 
 impl Reproduce {
     pub fn run(self) -> anyhow::Result<()> {
-        let What::Overlap(overlap) = self.what;
-        overlap.run()
+        match self.what {
+            What::Overlap(overlap) => overlap.run(),
+            What::DamBreak(dam_break) => dam_break.run(),
+        }
     }
 }
 
