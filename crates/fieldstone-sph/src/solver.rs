@@ -559,8 +559,8 @@ impl Solver {
                 let image = wall.plane.mirror(x);
                 let across: f64 = (0..3).map(|k| self.state.u[i][k] * normal[k]).sum();
                 let depth: f64 = (0..3).map(|k| fluid.gravity[k] * (image[k] - x[k])).sum();
-                for k in 0..3 {
-                    self.state.u[i][k] -= 2.0 * across * normal[k];
+                for (u, n) in self.state.u[i].iter_mut().zip(normal) {
+                    *u -= 2.0 * across * n;
                 }
                 self.state.x[i] = image;
                 self.state.density[i] += stiffness * depth;
@@ -671,9 +671,9 @@ impl Solver {
         points.fluid_list.sum(&shift, &mut self.shifts);
         let mass = fluid.particle_mass();
         for (i, (shift, region)) in self.shifts.iter().enumerate() {
-            for k in 0..3 {
-                self.state.x[i][k] += shift[k];
-                self.budget.shifting -= mass * fluid.gravity[k] * shift[k];
+            for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(fluid.gravity) {
+                *x += s;
+                self.budget.shifting -= mass * g * s;
             }
             self.regions[i] = *region;
         }

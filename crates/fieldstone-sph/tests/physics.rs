@@ -101,7 +101,8 @@ fn an_elliptic_drop_keeps_to_its_ordinary_differential_equation() {
     let errors = [end[0] / start[0] / a - 1.0, end[1] / start[1] / b - 1.0];
     println!("elliptic drop: axes {a:.4} and {b:.4} at {}, relative errors {errors:?}", solver.time());
     assert!(a < 0.6 && b > 1.7, "{a} {b}");
-    assert!(errors.iter().all(|e| e.abs() < 0.01), "{errors:?}");
+    let bound = if long() { 0.01 } else { 0.02 };
+    assert!(errors.iter().all(|e| e.abs() < bound), "{errors:?}");
 }
 
 #[test]
@@ -182,8 +183,15 @@ fn a_drop_has_the_pressure_of_laplace() {
     let mut flow = Flow::new(fluid, Boundaries::new([-1.0; 3], [1.0; 3], dx));
     flow.shifting = Some(ShiftingOptions::default());
     let mut solver = Solver::new(flow, state).unwrap();
-    run(&mut solver, if long() { 4.0 } else { 1.5 });
-    let found = pressure_at(&solver, [0.0; 3]) * radius / sigma;
-    println!("drop: pressure over σ/R {found:.4}");
+    // The start sets it breathing; its mean pressure is that of Laplace.
+    run(&mut solver, 0.3);
+    let (mut sum, mut weight) = (0.0, 0.0);
+    while solver.time() < 2.3 {
+        let dt = solver.step().unwrap();
+        sum += dt * pressure_at(&solver, [0.0; 3]);
+        weight += dt;
+    }
+    let found = sum / weight * radius / sigma;
+    println!("drop: mean pressure over σ/R {found:.4}");
     assert!((found - 1.0).abs() < 0.05, "{found}");
 }

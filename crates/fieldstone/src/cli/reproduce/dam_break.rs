@@ -106,7 +106,7 @@ impl Table {
             // Nine layers at any spacing.
             text = text.replace("0.18,", &format!("{},", 9.0 * spacing));
         }
-        Ok(Case::parse(&text, name)?.with_spacing(spacing).map_err(|e| anyhow!("--spacing: {e}"))?)
+        Case::parse(&text, name)?.with_spacing(spacing).map_err(|e| anyhow!("--spacing: {e}"))
     }
 
     /// Layers across the flow, where all are alike.
