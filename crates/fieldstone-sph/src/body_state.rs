@@ -14,7 +14,7 @@ const DRY: f64 = 1e-6;
 ///
 /// over fluid particles and their images. A ghost without any has p = 0 and volume 0: it stays out of every sum.
 ///
-/// Source: Adami, Hu and Adams (2012), for bodies at rest.
+/// Source: `adami2012`, for bodies at rest.
 pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
     if points.bodies.x.is_empty() {
         return;

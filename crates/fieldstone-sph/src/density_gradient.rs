@@ -1,6 +1,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::FluidOptions;
+use crate::kernel::{TINY, inverse_root};
 use crate::neighbour_list::{LANES, PairSum};
 use crate::points::Carrier;
 
@@ -22,7 +23,8 @@ const SINGULAR: f64 = 0.02;
 pub(crate) struct DensityGradient<'a> {
     carriers: &'a [Carrier],
     ranks: &'a [u32],
-    inverse_reach: f64,
+    /// 1/h².
+    inverse_square: f64,
     factor: f64,
     dimension: usize,
 }
@@ -33,7 +35,7 @@ impl<'a> DensityGradient<'a> {
         Self {
             carriers,
             ranks,
-            inverse_reach: 1.0 / kernel.reach(),
+            inverse_square: 1.0 / (fluid.h() * fluid.h()),
             factor: kernel.slope_factor(),
             dimension: fluid.dimension,
         }
@@ -61,7 +63,9 @@ impl PairSum for DensityGradient<'_> {
             }
             for l in 0..LANES {
                 let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
-                let left = 1.0 - (dx * dx + dy * dy + dz * dz).sqrt() * self.inverse_reach;
+                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
+                let s = if s > TINY { s } else { TINY };
+                let left = 1.0 - 0.5 * (s * inverse_root(s));
                 let left = if left > 0.0 { left } else { 0.0 };
                 let g = left * left * left * v[l];
                 let (gx, gy, gz) = (g * dx, g * dy, g * dz);

@@ -69,9 +69,32 @@ impl WendlandC2 {
     }
 }
 
+/// Smallest distance squared over h² in sums: a particle and itself, or two at one place, have a finite 1/r.
+pub(crate) const TINY: f64 = 1e-24;
+
+/// 1/√s for TINY ≤ s ≤ 10³⁰, relative error below 4·10⁻¹⁴.
+///
+/// By 32 bits and one step of Newton: processors take several times as long for the root and the quotient in 64. Both
+/// particles of a pair get the same bits, so nothing that is conserved is lost.
+#[inline(always)]
+pub(crate) fn inverse_root(s: f64) -> f64 {
+    let guess = f64::from(1.0 / (s as f32).sqrt());
+    guess * (1.5 - 0.5 * s * guess * guess)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_inverse_root_is_one_to_fourteen_digits() {
+        let mut s = TINY;
+        while s < 1e30 {
+            let error = inverse_root(s) * s.sqrt() - 1.0;
+            assert!(error.abs() < 4e-14, "{s}: {error:e}");
+            s *= 1.000_37;
+        }
+    }
 
     #[test]
     fn the_slope_is_the_derivative_of_the_value() {

@@ -1,9 +1,7 @@
 use crate::FluidOptions;
+use crate::kernel::{TINY, inverse_root};
 use crate::neighbour_list::{LANES, PairSum};
 use crate::points::{Carrier, Points};
-
-/// Smallest distance squared over h²: a particle and itself, or two at one place, have a finite 1/r².
-const TINY: f64 = 1e-24;
 
 /// Rates of one particle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,8 +35,8 @@ pub(crate) struct Rates<'a, const VISCOUS_COLUMN: bool> {
     ranks: &'a [u32],
     /// Particles whose p_i changes its sign where it is negative: inside, with tensile control.
     tensile: Option<&'a [u8]>,
-    inverse_reach: f64,
-    smallest: f64,
+    /// 1/h².
+    inverse_square: f64,
     factor: f64,
     /// c₀², ρ₀, 2 δ h c₀, 2 (d + 2) μ, m, g.
     stiffness: f64,
@@ -59,8 +57,7 @@ impl<'a, const VISCOUS_COLUMN: bool> Rates<'a, VISCOUS_COLUMN> {
             viscous: &points.viscous,
             ranks: points.grid().ranks(),
             tensile,
-            inverse_reach: 1.0 / kernel.reach(),
-            smallest: TINY * h * h,
+            inverse_square: 1.0 / (h * h),
             factor: kernel.slope_factor(),
             stiffness: fluid.sound_speed * fluid.sound_speed,
             rest_density: fluid.density,
@@ -131,8 +128,10 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
             }
             for l in 0..LANES {
                 let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
-                let square = dx * dx + dy * dy + dz * dz;
-                let left = 1.0 - square.sqrt() * self.inverse_reach;
+                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
+                let s = if s > TINY { s } else { TINY };
+                let inverse = inverse_root(s);
+                let left = 1.0 - 0.5 * (s * inverse);
                 let left = if left > 0.0 { left } else { 0.0 };
                 let g = left * left * left * v[l];
                 divergence[l] += g * ((uj[l] - ui) * dx + (vj[l] - vi) * dy + (wj[l] - wi) * dz);
@@ -143,15 +142,15 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
                 py[l] += pressure * dy;
                 pz[l] += pressure * dz;
                 let approach = (us[l] - ui) * dx + (vs[l] - vi) * dy + (ws[l] - wi) * dz;
-                let square = if square > self.smallest { square } else { self.smallest };
-                let friction = if VISCOUS_COLUMN { weight[l] * g * approach / square } else { g * approach / square };
+                let friction = g * approach * (inverse * inverse);
+                let friction = if VISCOUS_COLUMN { weight[l] * friction } else { friction };
                 fx[l] += friction * dx;
                 fy[l] += friction * dy;
                 fz[l] += friction * dz;
             }
         }
         let pressure = -self.factor * self.stiffness / ri;
-        let friction = self.factor * self.friction / ri;
+        let friction = self.factor * self.friction * self.inverse_square / ri;
         let (px, py, pz) = (pressure * total(&px), pressure * total(&py), pressure * total(&pz));
         let (fx, fy, fz) = (friction * total(&fx), friction * total(&fy), friction * total(&fz));
         let divergence = -ri * self.factor * total(&divergence);

@@ -1,3 +1,4 @@
+use crate::kernel::{TINY, inverse_root};
 use crate::neighbour_list::{LANES, PairSum};
 use crate::points::Carrier;
 use crate::{FluidOptions, ShiftingOptions};
@@ -17,7 +18,8 @@ pub(crate) struct Shift<'a> {
     flags: &'a [u8],
     ranks: &'a [u32],
     h: f64,
-    inverse_reach: f64,
+    /// 1/h².
+    inverse_square: f64,
     slope_factor: f64,
     /// α_d/W(Δx), so that W/W(Δx) is this times (1 + 2q)(1 − q/2)⁴.
     relative: f64,
@@ -42,7 +44,7 @@ impl<'a> Shift<'a> {
             flags,
             ranks,
             h,
-            inverse_reach: 1.0 / kernel.reach(),
+            inverse_square: 1.0 / (h * h),
             slope_factor: kernel.slope_factor(),
             relative: kernel.alpha() / kernel.value(fluid.spacing),
             r: shifting.r,
@@ -111,7 +113,9 @@ impl PairSum for Shift<'_> {
         for [dx, dy, dz, squares, v] in blocks.iter() {
             let (mut cube, mut relative) = ([0.0f64; LANES], [0.0f64; LANES]);
             for l in 0..LANES {
-                let p = squares[l].sqrt() * self.inverse_reach;
+                let s = squares[l] * self.inverse_square;
+                let s = if s > TINY { s } else { TINY };
+                let p = 0.5 * (s * inverse_root(s));
                 let left = 1.0 - p;
                 let left = if left > 0.0 { left } else { 0.0 };
                 cube[l] = left * left * left;

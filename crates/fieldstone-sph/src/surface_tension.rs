@@ -18,7 +18,7 @@ const RELIABLE: f64 = 0.02;
 /// Kernels see the fluid's side of the surface only, which is half of the delta function |∇c|: hence the 2. κ is
 /// summed, and its L′ made, over neighbours with a reliable normal.
 ///
-/// Source: Brackbill, Kothe and Zemach (1992); corrected gradients `liu2022`, Eq. 6.
+/// Source: `brackbill1992`; corrected gradients `liu2022`, Eq. 6.
 #[derive(Debug, Default)]
 pub(crate) struct SurfaceTension {
     /// Normal and |∇c| of each fluid particle.
