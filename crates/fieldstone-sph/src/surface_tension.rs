@@ -7,7 +7,7 @@ use crate::points::{Kind, Points};
 use crate::rates::Rate;
 
 /// |∇c| h above which a normal is reliable; at a flat surface it is 0.66 in two and in three dimensions.
-const RELIABLE: f64 = 0.02;
+const RELIABLE: f64 = 0.1;
 
 /// Continuum surface force.
 ///

@@ -175,6 +175,8 @@ fn duration(seconds: f64) -> String {
 impl Run {
     fn run(self) -> anyhow::Result<()> {
         let case = Case::read(&self.case)?;
+        // What cannot start leaves no folder behind.
+        case.state()?;
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
         let files = RunFolder::create(&folder)?;
         if !self.resume && files.checkpoint().exists() {
