@@ -5,10 +5,11 @@
 //! | module | what |
 //! |---|---|
 //! | [`geometry`] | ball ∩ polyhedron: exact volumes, areas, gradients |
-//! | [`mesh`] | polyhedral meshes and Cartesian grids, ball-in-mesh |
-//! | [`particles`] | particle sets, periodic boxes |
-//! | [`fields`] | binning weights, solid fractions |
-//! | [`surface`] | free-surface particles, level set, gridding, iso-surface |
+//! | [`mesh`] | polyhedral meshes, Cartesian and cylindrical grids, ball-in-mesh |
+//! | [`particles`] | particle sets, contacts, periodic boxes, neighbour search |
+//! | [`fields`] | solid fractions, coarse graining |
+//! | [`surface`] | free-surface particles, level sets, iso-surfaces |
+//! | [`sph`] | the δ-SPH solver and its cases |
 //! | [`io`] | OpenFOAM, Gmsh, VTK, LIGGGHTS and LAMMPS dumps, CSV, … |
 //!
 //! The solid fraction of one cell of a simple cubic packing:
@@ -30,4 +31,5 @@ pub use fieldstone_geometry as geometry;
 pub use fieldstone_io as io;
 pub use fieldstone_mesh as mesh;
 pub use fieldstone_particles as particles;
+pub use fieldstone_sph as sph;
 pub use fieldstone_surface as surface;

@@ -10,7 +10,7 @@ pub(super) struct Work {
     points: Vec<[f64; 3]>,
     images: Vec<Image>,
     slots: Vec<u32>,
-    order: Vec<u32>,
+    pub(super) order: Vec<u32>,
 }
 
 impl NeighbourGrid {

@@ -87,6 +87,14 @@ impl NeighbourGrid {
         &self.sources
     }
 
+    /// What each sorted point is: particle `p` where `p` is below [`len`](Self::len), else image `p − len`.
+    ///
+    /// The images given to [`build_with_images`](Self::build_with_images) come first, those through periodic
+    /// boundaries after them.
+    pub fn origins(&self) -> &[u32] {
+        &self.work.order
+    }
+
     /// Sorted index of each particle.
     pub fn ranks(&self) -> &[u32] {
         &self.ranks

@@ -15,6 +15,7 @@ mod picture;
 mod plot;
 mod report;
 mod reproduce;
+mod sph;
 mod sph_frames;
 mod surface;
 mod timing;
@@ -64,6 +65,7 @@ enum Command {
     Info(info::Info),
     Demo(demo::Demo),
     Reproduce(reproduce::Reproduce),
+    Sph(sph::Sph),
     Completions(manual::Completions),
     Manual(manual::Manual),
 }
@@ -94,6 +96,7 @@ fn execute(cli: Cli) -> anyhow::Result<()> {
         Command::Info(command) => command.run(),
         Command::Demo(command) => command.run(),
         Command::Reproduce(command) => command.run(),
+        Command::Sph(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Manual(command) => command.run(),
     }

@@ -36,6 +36,7 @@ impl Folder {
     }
 
     /// Copies a file, or a folder with all that is in it.
+    #[allow(dead_code, reason = "not every suite copies files")]
     pub fn copy(&self, from: &Path, name: &str) -> PathBuf {
         if from.is_dir() {
             for entry in std::fs::read_dir(from).unwrap() {

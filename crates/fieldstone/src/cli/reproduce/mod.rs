@@ -2,6 +2,8 @@
 
 mod approximations;
 mod clock;
+mod dam_break;
+mod dam_break_picture;
 mod fig10;
 mod fig11;
 mod fig12;
@@ -35,6 +37,7 @@ pub(crate) struct Reproduce {
 enum What {
     Overlap(Overlap),
     Surface(surface::SurfaceFigures),
+    DamBreak(dam_break::DamBreak),
 }
 
 /// Overlap of spheres and mesh elements: Strobl, Formella and Pöschel (2016), Sec. 5
@@ -94,6 +97,7 @@ impl Reproduce {
         match self.what {
             What::Overlap(overlap) => overlap.run(),
             What::Surface(surface) => surface.run(),
+            What::DamBreak(dam_break) => dam_break.run(),
         }
     }
 }

@@ -1,0 +1,159 @@
+use crate::{FluidOptions, Slip, SphError};
+
+/// A solid shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// An axis-parallel box.
+    Box {
+        /// Lower corner.
+        low: [f64; 3],
+        /// Upper corner.
+        high: [f64; 3],
+    },
+    /// A cylinder along an axis; in two dimensions along z it is a disc.
+    Cylinder {
+        /// A point on the axis, in the middle of the cylinder.
+        centre: [f64; 3],
+        /// Radius.
+        radius: f64,
+        /// Length along the axis.
+        length: f64,
+        /// 0, 1 or 2 for x, y or z.
+        axis: usize,
+    },
+    /// A sphere; in two dimensions a disc.
+    Sphere {
+        /// Centre.
+        centre: [f64; 3],
+        /// Radius.
+        radius: f64,
+    },
+}
+
+impl Shape {
+    /// The box around it.
+    pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        match *self {
+            Self::Box { low, high } => (low, high),
+            Self::Sphere { centre, radius } => (centre.map(|c| c - radius), centre.map(|c| c + radius)),
+            Self::Cylinder { centre, radius, length, axis } => {
+                let half: [f64; 3] = std::array::from_fn(|k| if k == axis { 0.5 * length } else { radius });
+                (std::array::from_fn(|k| centre[k] - half[k]), std::array::from_fn(|k| centre[k] + half[k]))
+            }
+        }
+    }
+
+    /// Distance into the solid from its surface; negative outside. In two dimensions z does not count.
+    pub fn depth(&self, x: [f64; 3], dimension: usize) -> f64 {
+        match *self {
+            Self::Box { low, high } => {
+                (0..dimension).map(|k| (x[k] - low[k]).min(high[k] - x[k])).fold(f64::INFINITY, f64::min)
+            }
+            Self::Sphere { centre, radius } => {
+                radius - (0..dimension).map(|k| (x[k] - centre[k]).powi(2)).sum::<f64>().sqrt()
+            }
+            Self::Cylinder { centre, radius, length, axis } => {
+                let across = (0..dimension).filter(|&k| k != axis).map(|k| (x[k] - centre[k]).powi(2)).sum::<f64>();
+                let side = radius - across.sqrt();
+                if axis < dimension { side.min(0.5 * length - (x[axis] - centre[axis]).abs()) } else { side }
+            }
+        }
+    }
+
+    /// Centres of lattice cells inside the shape. A box is divided evenly, its cells close to cubes of edge `spacing`;
+    /// round shapes are cut out of a lattice that is symmetric to their centre.
+    pub fn lattice(&self, spacing: f64, dimension: usize) -> (Vec<[f64; 3]>, f64) {
+        let (low, high) = self.bounds();
+        let mut counts = [1usize; 3];
+        let mut cell = [0.0; 3];
+        for k in 0..dimension {
+            let extent = high[k] - low[k];
+            // A round shape is never cut at the last cell.
+            let cells = extent / spacing;
+            let rounded = if matches!(self, Self::Box { .. }) { cells.round() } else { 2.0 * (0.5 * cells).ceil() };
+            counts[k] = rounded.max(1.0) as usize;
+            cell[k] = if matches!(self, Self::Box { .. }) { extent / counts[k] as f64 } else { spacing };
+        }
+        let middle: [f64; 3] = std::array::from_fn(|k| if k < dimension { 0.5 * (low[k] + high[k]) } else { 0.0 });
+        let mut points = Vec::with_capacity(counts.iter().product());
+        for i in 0..counts[0] {
+            for j in 0..counts[1] {
+                for k in 0..counts[2] {
+                    let index = [i, j, k];
+                    let x: [f64; 3] = std::array::from_fn(|a| {
+                        if a >= dimension {
+                            0.0
+                        } else if matches!(self, Self::Box { .. }) {
+                            low[a] + (index[a] as f64 + 0.5) * cell[a]
+                        } else {
+                            middle[a] + (index[a] as f64 + 0.5 - 0.5 * counts[a] as f64) * cell[a]
+                        }
+                    });
+                    if self.depth(x, dimension) > 0.0 {
+                        points.push(x);
+                    }
+                }
+            }
+        }
+        (points, cell[..dimension].iter().product())
+    }
+}
+
+/// A solid body at rest: fixed ghost particles whose pressure is interpolated from the fluid.
+///
+/// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
+/// beyond by the kernel's radius 2h.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Its shape.
+    pub shape: Shape,
+    /// Friction.
+    pub slip: Slip,
+}
+
+impl Body {
+    /// Ghost particles: the outermost layer of thickness 2h, and the volume of each.
+    pub(crate) fn ghosts(&self, fluid: &FluidOptions) -> (Vec<[f64; 3]>, f64) {
+        let (mut points, volume) = self.shape.lattice(fluid.spacing, fluid.dimension);
+        let reach = fluid.kernel().reach();
+        points.retain(|&x| self.shape.depth(x, fluid.dimension) < reach);
+        (points, volume)
+    }
+
+    pub(crate) fn validate(&self, body: usize, fluid: &FluidOptions) -> Result<(), SphError> {
+        let (low, high) = self.shape.bounds();
+        let needed = 4.0 * fluid.spacing;
+        for axis in 0..fluid.dimension {
+            let thickness = high[axis] - low[axis];
+            // A thickness of exactly four spacings may come rounded.
+            if thickness.is_nan() || thickness < needed * (1.0 - 1e-9) {
+                return Err(SphError::ThinBody { body, thickness, axis: ['x', 'y', 'z'][axis], needed });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_divided_evenly_and_fills_its_volume() {
+        let shape = Shape::Box { low: [0.0; 3], high: [1.2, 0.3, 0.6] };
+        let (points, volume) = shape.lattice(0.01, 3);
+        assert_eq!(points.len(), 120 * 30 * 60);
+        assert!((points.len() as f64 * volume - 0.216).abs() < 1e-12);
+        assert!(points.iter().all(|p| shape.depth(*p, 3) > 0.0049));
+    }
+
+    #[test]
+    fn a_disc_is_symmetric_to_its_centre() {
+        let shape = Shape::Sphere { centre: [1.0, 2.0, 0.0], radius: 1.0 };
+        let (points, volume) = shape.lattice(0.02, 2);
+        let area = points.len() as f64 * volume;
+        assert!((area / std::f64::consts::PI - 1.0).abs() < 5e-3, "{area}");
+        let sum = points.iter().fold([0.0; 2], |s, p| [s[0] + p[0] - 1.0, s[1] + p[1] - 2.0]);
+        assert!(sum[0].abs() < 1e-9 && sum[1].abs() < 1e-9, "{sum:?}");
+    }
+}

@@ -1,0 +1,38 @@
+/// Line, from 1, of `key` in the `nth` table of a name; of the table's head where it has no such key. The table ""
+/// is what stands before the first head.
+pub(super) fn line_of(text: &str, section: &str, nth: usize, key: &str) -> usize {
+    let mut seen = 0;
+    let mut inside = section.is_empty();
+    let mut head = 1;
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.starts_with('[') {
+            let name = line.trim_start_matches('[').split(']').next().unwrap_or_default().trim();
+            inside = name == section && seen == nth;
+            if name == section {
+                seen += 1;
+            }
+            if inside {
+                head = index + 1;
+            }
+        } else if inside && line.split('=').next().is_some_and(|k| k.trim() == key) {
+            return index + 1;
+        }
+    }
+    head
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line_of;
+
+    #[test]
+    fn keys_are_found_in_the_table_that_was_meant() {
+        let text = "spacing = 1\n[fluid]\ndelta = 0.1\n[[fill]]\nshape = 1\n[[fill]]\n  shape = 2\n";
+        assert_eq!(line_of(text, "", 0, "spacing"), 1);
+        assert_eq!(line_of(text, "fluid", 0, "delta"), 3);
+        assert_eq!(line_of(text, "fluid", 0, "alpha"), 2);
+        assert_eq!(line_of(text, "fill", 1, "shape"), 7);
+        assert_eq!(line_of(text, "nowhere", 0, "x"), 1);
+    }
+}

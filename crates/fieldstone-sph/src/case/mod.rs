@@ -1,0 +1,375 @@
+//! Flows described in TOML.
+
+mod flows;
+mod locate;
+mod sections;
+mod shipped;
+
+use std::path::Path;
+
+use fieldstone_surface::{Method, Wall};
+use serde::Deserialize;
+
+pub use sections::{
+    AxisName, BodySection, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind, GaugeSection,
+    OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection, WallKind, WallSection,
+};
+pub use shipped::{SHIPPED, ShippedCase};
+
+use crate::{
+    Body, Boundaries, Flow, FluidOptions, Integrator, MirrorWall, Shape, ShiftingOptions, Solver, SphError, State,
+    TimeStepOptions, Viscosity,
+};
+use locate::line_of;
+
+/// A case file: fluid, domain, what is filled, walls, bodies, output.
+///
+/// ```
+/// use fieldstone_sph::Case;
+/// let text = fieldstone_sph::SHIPPED.iter().find(|c| c.name == "hydrostatic").map(|c| c.text);
+/// let case = Case::parse(text.unwrap_or_default(), "hydrostatic.toml")?;
+/// let solver = case.solver()?;
+/// assert_eq!(solver.state().len(), 40 * 20);
+/// let error = Case::parse("spacing = 0.1\ncolour = 3\n", "my.toml").unwrap_err().to_string();
+/// assert!(error.starts_with("my.toml:2: unknown field `colour`, expected one of `title`, `dimension`"), "{error}");
+/// # Ok::<(), fieldstone_sph::SphError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// What the file says.
+    pub sections: Sections,
+    text: String,
+    file: String,
+}
+
+/// The tables of a case file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sections {
+    /// One line on what it is.
+    #[serde(default)]
+    pub title: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Δx.
+    pub spacing: f64,
+    /// The domain.
+    pub domain: DomainSection,
+    /// The fluid.
+    pub fluid: FluidSection,
+    /// Time.
+    pub time: TimeSection,
+    /// Where there is fluid at the start.
+    pub fill: Vec<FillSection>,
+    /// Walls.
+    #[serde(default)]
+    pub wall: Vec<WallSection>,
+    /// Bodies.
+    #[serde(default)]
+    pub body: Vec<BodySection>,
+    /// Particle shifting.
+    pub shifting: Option<ShiftingSection>,
+    /// Series of particle files, gauges, checkpoints.
+    #[serde(default)]
+    pub output: OutputSection,
+    /// Gauges.
+    #[serde(default)]
+    pub gauge: Vec<GaugeSection>,
+}
+
+impl Case {
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// [`SphError::Case`] with the line.
+    pub fn read(path: &Path) -> Result<Self, SphError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            let message = format!("cannot be read: {e}; `fieldstone sph new` writes a case to start from");
+            SphError::Case { file: file.clone(), line: 1, message }
+        })?;
+        Self::parse(&text, &file)
+    }
+
+    /// Parses the text of a case file; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`SphError::Case`] with the line: an unknown key, a value of the wrong kind or out of range.
+    pub fn parse(text: &str, file: &str) -> Result<Self, SphError> {
+        let sections: Sections = toml::from_str(text).map_err(|e| {
+            let start = e.span().map_or(0, |span| span.start.min(text.len()));
+            let line = text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1;
+            SphError::Case { file: file.into(), line, message: e.message().trim_end().replace('\n', " ") }
+        })?;
+        let case = Self { sections, text: text.into(), file: file.into() };
+        case.check()?;
+        Ok(case)
+    }
+
+    /// The text it was parsed from.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The same case at another spacing.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    pub fn with_spacing(&self, spacing: f64) -> Result<Self, SphError> {
+        let lines = self.text.lines().map(|line| {
+            if line.starts_with("spacing") { format!("spacing = {spacing}\n") } else { format!("{line}\n") }
+        });
+        Self::parse(&lines.collect::<String>(), &self.file)
+    }
+
+    fn fault(&self, section: &str, nth: usize, key: &str, message: impl Into<String>) -> SphError {
+        let line = line_of(&self.text, section, nth, key);
+        SphError::Case { file: self.file.clone(), line, message: message.into() }
+    }
+
+    /// Up: the last axis.
+    fn up(&self) -> usize {
+        self.sections.dimension - 1
+    }
+
+    fn check(&self) -> Result<(), SphError> {
+        let s = &self.sections;
+        if !matches!(s.dimension, 2 | 3) {
+            return Err(self.fault("", 0, "dimension", format!("the dimension is {}; it must be 2 or 3", s.dimension)));
+        }
+        if !(s.spacing > 0.0 && s.spacing.is_finite()) {
+            let message = format!("the spacing is {}; it must be finite and above 0", s.spacing);
+            return Err(self.fault("", 0, "spacing", message));
+        }
+        let positive = |section: &str, key: &str, value: f64| {
+            if value > 0.0 && value.is_finite() {
+                return Ok(());
+            }
+            Err(self.fault(section, 0, key, format!("{key} is {value}; it must be finite and above 0")))
+        };
+        positive("time", "end", s.time.end)?;
+        positive("output", "every", s.output.every.unwrap_or(1.0))?;
+        positive("output", "gauges_every", s.output.gauges_every.unwrap_or(1.0))?;
+        positive("output", "checkpoint_every", s.output.checkpoint_every)?;
+        if s.fluid.viscosity.is_some() && s.fluid.alpha.is_some() {
+            return Err(self.fault("fluid", 0, "alpha", "both viscosity and alpha are given; give one of them"));
+        }
+        for (nth, fill) in s.fill.iter().enumerate() {
+            fill.shape().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
+            fill.check_flow().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
+        }
+        for (nth, body) in s.body.iter().enumerate() {
+            body.shape().map_err(|(key, message)| self.fault("body", nth, key, message))?;
+        }
+        for (nth, wall) in s.wall.iter().enumerate() {
+            let plane = wall.kind == WallKind::Plane;
+            if plane != (wall.point.is_some() && wall.normal.is_some()) || !plane && wall.normal.is_some() {
+                let message = "a plane needs point and normal, a tank has neither";
+                return Err(self.fault("wall", nth, "kind", message));
+            }
+        }
+        for (nth, gauge) in s.gauge.iter().enumerate() {
+            gauge.check(s.body.len()).map_err(|(key, message)| self.fault("gauge", nth, key, message))?;
+            if gauge.name.contains([',', '"', '\n']) || s.gauge[..nth].iter().any(|g| g.name == gauge.name) {
+                let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
+                return Err(self.fault("gauge", nth, "name", message));
+            }
+        }
+        self.flow().map(|_| ())
+    }
+
+    /// Fluid, boundaries and options, checked.
+    ///
+    /// # Errors
+    /// [`SphError::Case`] with the line of what does not fit.
+    pub fn flow(&self) -> Result<Flow, SphError> {
+        let s = &self.sections;
+        let f = &s.fluid;
+        let mut fluid = FluidOptions::new(s.dimension, s.spacing, f.expected_speed, f.expected_pressure);
+        fluid.density = f.density;
+        fluid.sound_speed =
+            f.sound_speed.unwrap_or_else(|| crate::sound_speed_bound(f.density, f.expected_speed, f.expected_pressure));
+        fluid.smoothing = f.smoothing;
+        fluid.viscosity = match (f.viscosity, f.alpha) {
+            (Some(mu), _) => Viscosity::Dynamic(mu),
+            (None, alpha) => Viscosity::Alpha(alpha.unwrap_or(0.02)),
+        };
+        fluid.delta = f.delta;
+        fluid.surface_tension = f.surface_tension;
+        fluid.tensile_control = f.tensile_control;
+        fluid.gravity = std::array::from_fn(|k| f.gravity.get(k).copied().unwrap_or(0.0));
+        for (key, vector) in [("gravity", &f.gravity)] {
+            if vector.len() != s.dimension {
+                let message = format!("{} numbers were found; give {}", vector.len(), s.dimension);
+                return Err(self.fault("fluid", 0, key, message));
+            }
+        }
+        let mut flow = Flow::new(fluid, self.boundaries()?);
+        flow.time_step = TimeStepOptions {
+            integrator: match s.time.integrator {
+                CaseIntegrator::Symplectic => Integrator::Symplectic,
+                CaseIntegrator::Rk4 => Integrator::RungeKutta4,
+            },
+            cfl: s.time.cfl,
+            viscous: s.time.viscous,
+            capillary: s.time.capillary,
+            largest: s.time.largest.unwrap_or(f64::INFINITY),
+        };
+        if let Some(shifting) = &s.shifting {
+            let method: Method =
+                shifting.detection.parse().map_err(|e: String| self.fault("shifting", 0, "detection", e))?;
+            if !method.supports(s.dimension) {
+                let message = format!("the {method} method does not exist in {} dimensions", s.dimension);
+                return Err(self.fault("shifting", 0, "detection", message));
+            }
+            flow.detection = Some(method);
+            if shifting.enabled {
+                flow.shifting = Some(ShiftingOptions {
+                    k_cfl: shifting.k_cfl,
+                    r: shifting.r,
+                    n: shifting.n,
+                    factor: shifting.factor,
+                    mach: shifting.mach,
+                    cap: shifting.cap,
+                });
+            }
+        }
+        flow.validate().map_err(|e| self.placed(e))?;
+        Ok(flow)
+    }
+
+    /// Gives an error of the solver its line.
+    fn placed(&self, error: SphError) -> SphError {
+        let (section, nth, key) = match &error {
+            SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
+            SphError::ThinBody { body, .. } => ("body", *body, "shape"),
+            SphError::TooNarrow { .. } => ("domain", 0, "high"),
+            SphError::Option { name, .. } => match *name {
+                "h/Δx" => ("fluid", 0, "smoothing"),
+                "the density" => ("fluid", 0, "density"),
+                "the speed of sound" => ("fluid", 0, "sound_speed"),
+                "the viscosity" => ("fluid", 0, "viscosity"),
+                "α" => ("fluid", 0, "alpha"),
+                "δ" => ("fluid", 0, "delta"),
+                "the surface tension" => ("fluid", 0, "surface_tension"),
+                "the expected speed" => ("fluid", 0, "expected_speed"),
+                "the expected pressure" => ("fluid", 0, "expected_pressure"),
+                "gravity" => ("fluid", 0, "gravity"),
+                "the CFL number" => ("time", 0, "cfl"),
+                "the viscous factor of the time step" => ("time", 0, "viscous"),
+                "the capillary factor of the time step" => ("time", 0, "capillary"),
+                "the largest time step" => ("time", 0, "largest"),
+                "an edge of the domain" => ("domain", 0, "high"),
+                "the cosine between two walls" => ("wall", 0, "kind"),
+                _ => ("shifting", 0, ""),
+            },
+            _ => return error,
+        };
+        self.fault(section, nth, key, error.to_string())
+    }
+
+    fn boundaries(&self) -> Result<Boundaries, SphError> {
+        let s = &self.sections;
+        let corner = |key: &str, given: &[f64]| -> Result<[f64; 3], SphError> {
+            if given.len() != s.dimension || given.iter().any(|x| !x.is_finite()) {
+                let message = format!("{key} is {given:?}; give {} finite numbers", s.dimension);
+                return Err(self.fault("domain", 0, key, message));
+            }
+            Ok(std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0)))
+        };
+        let low = corner("low", &s.domain.low)?;
+        let high = corner("high", &s.domain.high)?;
+        let mut boundaries = Boundaries::new(low, high, s.spacing);
+        for axis in &s.domain.periodic {
+            boundaries.periodic[*axis as usize] = true;
+        }
+        for face in &s.domain.open {
+            let axis = ["x", "y", "z"].iter().position(|a| face.starts_with(a)).filter(|&a| a < s.dimension);
+            let side = ["-", "+"].iter().position(|sign| face.len() == 2 && face.ends_with(sign));
+            let (Some(axis), Some(side)) = (axis, side) else {
+                let message = format!("'{face}' is no face; give x-, x+, y-, y+, z- or z+, as the dimension allows");
+                return Err(self.fault("domain", 0, "open", message));
+            };
+            boundaries.open[axis][side] = true;
+        }
+        for (nth, wall) in s.wall.iter().enumerate() {
+            let mut add = |normal: [f64; 3], offset: f64| -> Result<(), SphError> {
+                let plane = Wall::new(normal, offset).map_err(|e| self.fault("wall", nth, "normal", e.to_string()))?;
+                boundaries.walls.push(MirrorWall { plane, slip: wall.slip.into() });
+                Ok(())
+            };
+            if let (Some(point), Some(normal)) = (&wall.point, &wall.normal) {
+                if point.len() != s.dimension || normal.len() != s.dimension {
+                    let message = format!("point and normal must have {} numbers each", s.dimension);
+                    return Err(self.fault("wall", nth, "point", message));
+                }
+                let offset = point.iter().zip(normal).map(|(p, n)| p * n).sum();
+                add(std::array::from_fn(|k| normal.get(k).copied().unwrap_or(0.0)), offset)?;
+                continue;
+            }
+            for axis in 0..s.dimension {
+                for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let face = format!("{}{}", ["x", "y", "z"][axis], ["-", "+"][side]);
+                    if s.domain.periodic.iter().any(|p| *p as usize == axis) || s.domain.open.contains(&face) {
+                        continue;
+                    }
+                    let mut normal = [0.0; 3];
+                    normal[axis] = sign;
+                    add(normal, sign * if side == 0 { low[axis] } else { high[axis] })?;
+                }
+            }
+        }
+        for (nth, body) in s.body.iter().enumerate() {
+            let shape = body.shape().map_err(|(key, message)| self.fault("body", nth, key, message))?;
+            boundaries.bodies.push(Body { shape, slip: body.slip.into() });
+        }
+        Ok(boundaries)
+    }
+
+    /// The particles at the start: each fill's lattice, without what lies in bodies.
+    ///
+    /// # Errors
+    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, or nothing is filled.
+    pub fn state(&self) -> Result<State, SphError> {
+        let flow = self.flow()?;
+        let s = &self.sections;
+        let mut state = State::default();
+        let mut shapes: Vec<Shape> = Vec::new();
+        for (nth, fill) in s.fill.iter().enumerate() {
+            let shape = fill.shape().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
+            let (points, _) = shape.lattice(s.spacing, s.dimension);
+            let top = shape.bounds().1[self.up()];
+            for x in points {
+                if flow.boundaries.bodies.iter().any(|b| b.shape.depth(x, s.dimension) > 0.0) {
+                    continue;
+                }
+                if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {
+                    let message = format!("the fill leaves the domain at {x:?}; enlarge one or shrink the other");
+                    return Err(self.fault("fill", nth, "shape", message));
+                }
+                if let Some(other) = shapes.iter().position(|s2| s2.depth(x, s.dimension) > 0.0) {
+                    let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
+                    return Err(self.fault("fill", nth, "shape", message));
+                }
+                let (velocity, pressure) = fill.initial(x, top, self.up(), &flow.fluid);
+                state.x.push(x);
+                state.u.push(velocity);
+                state.density.push(flow.fluid.density_at(pressure));
+            }
+            shapes.push(shape);
+        }
+        if state.x.is_empty() {
+            return Err(self.fault("fill", 0, "shape", "nothing is filled; the shapes are smaller than the spacing"));
+        }
+        state.id = (0..state.x.len() as u32).collect();
+        Ok(state)
+    }
+
+    /// A solver at time 0.
+    ///
+    /// # Errors
+    /// As [`flow`](Self::flow) and [`state`](Self::state).
+    pub fn solver(&self) -> Result<Solver, SphError> {
+        Solver::new(self.flow()?, self.state()?)
+    }
+}

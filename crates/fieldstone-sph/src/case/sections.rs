@@ -1,0 +1,449 @@
+use serde::Deserialize;
+
+use crate::{Shape, Slip};
+
+type Fault = (&'static str, String);
+
+/// An axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisName {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+}
+
+/// `[domain]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DomainSection {
+    /// Lower corner, 2 or 3 numbers.
+    pub low: Vec<f64>,
+    /// Upper corner.
+    pub high: Vec<f64>,
+    /// Periodic axes.
+    #[serde(default)]
+    pub periodic: Vec<AxisName>,
+    /// Faces through which particles may leave: `x-`, `x+`, …
+    #[serde(default)]
+    pub open: Vec<String>,
+}
+
+/// `[fluid]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FluidSection {
+    /// ρ₀.
+    pub density: f64,
+    /// c₀; the bound of Eq. 3 where absent.
+    pub sound_speed: Option<f64>,
+    /// U_max of Eq. 3 and of the shifting.
+    pub expected_speed: f64,
+    /// p_max of Eq. 3.
+    #[serde(default)]
+    pub expected_pressure: f64,
+    /// μ.
+    pub viscosity: Option<f64>,
+    /// α.
+    pub alpha: Option<f64>,
+    /// δ.
+    #[serde(default = "delta")]
+    pub delta: f64,
+    /// h/Δx.
+    #[serde(default = "smoothing")]
+    pub smoothing: f64,
+    /// σ.
+    #[serde(default)]
+    pub surface_tension: f64,
+    /// g, 2 or 3 numbers.
+    pub gravity: Vec<f64>,
+    /// Against tensile instability.
+    #[serde(default)]
+    pub tensile_control: bool,
+}
+
+fn delta() -> f64 {
+    0.1
+}
+
+fn smoothing() -> f64 {
+    2.0
+}
+
+/// The integrators by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CaseIntegrator {
+    /// Predictor–corrector.
+    #[default]
+    Symplectic,
+    /// Runge–Kutta of fourth order.
+    Rk4,
+}
+
+/// `[time]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeSection {
+    /// When the run ends.
+    pub end: f64,
+    /// CFL.
+    #[serde(default = "cfl")]
+    pub cfl: f64,
+    /// Factor of the viscous bound.
+    #[serde(default = "viscous")]
+    pub viscous: f64,
+    /// Factor of the capillary bound.
+    #[serde(default = "cfl")]
+    pub capillary: f64,
+    /// Largest step.
+    pub largest: Option<f64>,
+    /// The integrator.
+    #[serde(default)]
+    pub integrator: CaseIntegrator,
+}
+
+fn cfl() -> f64 {
+    0.25
+}
+
+fn viscous() -> f64 {
+    0.125
+}
+
+/// Shapes by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeName {
+    /// `low`, `high`.
+    Box,
+    /// `centre`, `radius`, `length`, `axis`.
+    Cylinder,
+    /// `centre`, `radius`.
+    Sphere,
+}
+
+fn point(key: &'static str, given: Option<&Vec<f64>>) -> Result<[f64; 3], Fault> {
+    match given {
+        Some(p) if (2..=3).contains(&p.len()) && p.iter().all(|x| x.is_finite()) => {
+            Ok([p[0], p[1], p.get(2).copied().unwrap_or(0.0)])
+        }
+        Some(p) => Err((key, format!("{key} is {p:?}; give 2 or 3 finite numbers, as many as there are dimensions"))),
+        None => Err(("shape", format!("this shape needs {key}"))),
+    }
+}
+
+fn length(key: &'static str, given: Option<f64>) -> Result<f64, Fault> {
+    match given {
+        Some(x) if x > 0.0 && x.is_finite() => Ok(x),
+        Some(x) => Err((key, format!("{key} is {x}; it must be finite and above 0"))),
+        None => Err(("shape", format!("this shape needs {key}"))),
+    }
+}
+
+fn shape(
+    name: ShapeName,
+    [low, high, centre]: [Option<&Vec<f64>>; 3],
+    radius: Option<f64>,
+    extent: Option<f64>,
+    axis: Option<AxisName>,
+) -> Result<Shape, Fault> {
+    Ok(match name {
+        ShapeName::Box => {
+            let (low, high) = (point("low", low)?, point("high", high)?);
+            if (0..2).any(|k| low[k] >= high[k]) || low[2] > high[2] {
+                return Err(("high", format!("high is {high:?}; it must be above low, {low:?}, along every axis")));
+            }
+            Shape::Box { low, high }
+        }
+        ShapeName::Sphere => Shape::Sphere { centre: point("centre", centre)?, radius: length("radius", radius)? },
+        ShapeName::Cylinder => Shape::Cylinder {
+            centre: point("centre", centre)?,
+            radius: length("radius", radius)?,
+            length: length("length", extent)?,
+            axis: axis.ok_or_else(|| ("shape", "this shape needs axis".to_string()))? as usize,
+        },
+    })
+}
+
+/// Initial pressure of a fill.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Pressure {
+    /// The same everywhere.
+    Uniform(f64),
+    /// By name.
+    Named(PressureName),
+}
+
+/// Initial pressures by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PressureName {
+    /// ρ₀ |g| below the fill's top.
+    Hydrostatic,
+    /// That of the fill's flow.
+    Flow,
+}
+
+/// Initial velocities by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FlowName {
+    /// `velocity`, or rest.
+    #[default]
+    Uniform,
+    /// Rigid rotation with `rate` about the fill's middle, in the plane of x and y.
+    Rotation,
+    /// (−A x, A y) with `rate` A about the fill's middle.
+    Strain,
+    /// The vortices of Taylor and Green with `speed` and `wavelength`.
+    TaylorGreen,
+    /// A standing wave of amplitude `amplitude` and `wavelength`, at the moment of its flat surface.
+    StandingWave,
+}
+
+/// `[[fill]]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FillSection {
+    /// Its shape.
+    pub shape: ShapeName,
+    /// Of a box.
+    pub low: Option<Vec<f64>>,
+    /// Of a box.
+    pub high: Option<Vec<f64>>,
+    /// Of a cylinder or sphere.
+    pub centre: Option<Vec<f64>>,
+    /// Of a cylinder or sphere.
+    pub radius: Option<f64>,
+    /// Of a cylinder.
+    pub length: Option<f64>,
+    /// Of a cylinder.
+    pub axis: Option<AxisName>,
+    /// Initial flow.
+    #[serde(default)]
+    pub flow: FlowName,
+    /// Of a uniform flow.
+    pub velocity: Option<Vec<f64>>,
+    /// Of a rotation or strain.
+    pub rate: Option<f64>,
+    /// Of Taylor and Green's vortices.
+    pub speed: Option<f64>,
+    /// Of vortices and waves.
+    pub wavelength: Option<f64>,
+    /// Of a wave.
+    pub amplitude: Option<f64>,
+    /// Initial pressure; 0.
+    #[serde(default = "no_pressure")]
+    pub pressure: Pressure,
+}
+
+fn no_pressure() -> Pressure {
+    Pressure::Uniform(0.0)
+}
+
+impl FillSection {
+    pub(super) fn shape(&self) -> Result<Shape, Fault> {
+        let points = [self.low.as_ref(), self.high.as_ref(), self.centre.as_ref()];
+        shape(self.shape, points, self.radius, self.length, self.axis)
+    }
+
+    pub(super) fn check_flow(&self) -> Result<(), Fault> {
+        let needs = |key: &'static str, value: Option<f64>| match value {
+            Some(x) if x.is_finite() => Ok(()),
+            Some(x) => Err((key, format!("{key} is {x}; it must be finite"))),
+            None => Err(("flow", format!("this flow needs {key}"))),
+        };
+        match self.flow {
+            FlowName::Uniform => Ok(()),
+            FlowName::Rotation | FlowName::Strain => needs("rate", self.rate),
+            FlowName::TaylorGreen => {
+                needs("speed", self.speed)?;
+                length("wavelength", self.wavelength).map(|_| ())
+            }
+            FlowName::StandingWave => {
+                needs("amplitude", self.amplitude)?;
+                length("wavelength", self.wavelength).map(|_| ())
+            }
+        }
+    }
+}
+
+/// Friction by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SlipName {
+    /// None.
+    #[default]
+    Free,
+    /// The flow sticks.
+    No,
+}
+
+impl From<SlipName> for Slip {
+    fn from(name: SlipName) -> Self {
+        match name {
+            SlipName::Free => Self::Free,
+            SlipName::No => Self::No,
+        }
+    }
+}
+
+/// Kinds of walls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WallKind {
+    /// All faces of the domain that are neither open nor periodic.
+    Tank,
+    /// `point` and `normal`, which points into the fluid.
+    Plane,
+}
+
+/// `[[wall]]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallSection {
+    /// Which kind.
+    pub kind: WallKind,
+    /// Friction.
+    #[serde(default)]
+    pub slip: SlipName,
+    /// Of a plane.
+    pub point: Option<Vec<f64>>,
+    /// Of a plane.
+    pub normal: Option<Vec<f64>>,
+}
+
+/// `[[body]]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodySection {
+    /// Its shape.
+    pub shape: ShapeName,
+    /// Of a box.
+    pub low: Option<Vec<f64>>,
+    /// Of a box.
+    pub high: Option<Vec<f64>>,
+    /// Of a cylinder or sphere.
+    pub centre: Option<Vec<f64>>,
+    /// Of a cylinder or sphere.
+    pub radius: Option<f64>,
+    /// Of a cylinder.
+    pub length: Option<f64>,
+    /// Of a cylinder.
+    pub axis: Option<AxisName>,
+    /// Friction.
+    #[serde(default)]
+    pub slip: SlipName,
+}
+
+impl BodySection {
+    pub(super) fn shape(&self) -> Result<Shape, Fault> {
+        let points = [self.low.as_ref(), self.high.as_ref(), self.centre.as_ref()];
+        shape(self.shape, points, self.radius, self.length, self.axis)
+    }
+}
+
+/// `[shifting]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ShiftingSection {
+    /// Off: detection only.
+    pub enabled: bool,
+    /// Detection method.
+    pub detection: String,
+    /// k_CFL.
+    pub k_cfl: f64,
+    /// R.
+    pub r: f64,
+    /// n.
+    pub n: i32,
+    /// The factor of h².
+    pub factor: f64,
+    /// Ma.
+    pub mach: Option<f64>,
+    /// Largest shift over the spacing.
+    pub cap: f64,
+}
+
+impl Default for ShiftingSection {
+    fn default() -> Self {
+        let crate::ShiftingOptions { k_cfl, r, n, factor, mach, cap } = crate::ShiftingOptions::default();
+        Self { enabled: true, detection: "exact".into(), k_cfl, r, n, factor, mach, cap }
+    }
+}
+
+/// `[output]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSection {
+    /// Time between particle files; a fiftieth of the run.
+    pub every: Option<f64>,
+    /// Time between rows of the gauges' table; a five-hundredth of the run.
+    pub gauges_every: Option<f64>,
+    /// Wall-clock seconds between checkpoints.
+    pub checkpoint_every: f64,
+}
+
+impl Default for OutputSection {
+    fn default() -> Self {
+        Self { every: None, gauges_every: None, checkpoint_every: 300.0 }
+    }
+}
+
+/// Kinds of gauges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GaugeKind {
+    /// Mean pressure, by the kernel, of the fluid around `at`; 0 where it is dry.
+    Pressure,
+    /// Highest particle in the column of half-width Δx over `at`, and half a spacing.
+    Level,
+    /// Farthest particle along `axis` that has others within 1.5 Δx, and half a spacing.
+    Front,
+    /// Force on `body`: one column per axis.
+    Force,
+}
+
+/// `[[gauge]]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeSection {
+    /// Name of its column.
+    pub name: String,
+    /// Which kind.
+    pub kind: GaugeKind,
+    /// Where, of a pressure or level.
+    pub at: Option<Vec<f64>>,
+    /// Of a front; x.
+    pub axis: Option<AxisName>,
+    /// Of a force: index of the body; 0.
+    pub body: Option<usize>,
+}
+
+impl GaugeSection {
+    /// Where it is; the origin for gauges without a place.
+    pub fn place(&self) -> [f64; 3] {
+        point("at", self.at.as_ref()).unwrap_or_default()
+    }
+
+    pub(super) fn check(&self, bodies: usize) -> Result<(), Fault> {
+        match self.kind {
+            GaugeKind::Pressure | GaugeKind::Level => {
+                if self.at.is_none() {
+                    return Err(("kind", "this gauge needs at".into()));
+                }
+                point("at", self.at.as_ref()).map(|_| ())
+            }
+            GaugeKind::Front => Ok(()),
+            GaugeKind::Force if self.body.unwrap_or(0) < bodies => Ok(()),
+            GaugeKind::Force => {
+                Err(("body", format!("there are {bodies} bodies, numbered from 0; name one of them, or add one")))
+            }
+        }
+    }
+}

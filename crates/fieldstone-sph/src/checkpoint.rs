@@ -1,0 +1,144 @@
+use std::path::Path;
+
+use fieldstone_io::AtomicFile;
+
+use crate::solver::Snapshot;
+use crate::{Budget, Flow, Solver, SphError, State};
+
+const MAGIC: &[u8; 8] = b"FSTNSPH\x01";
+
+/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
+///
+/// | bytes | what |
+/// |---|---|
+/// | 8 | `FSTNSPH`, version 1 |
+/// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of end time and output |
+/// | 4 | CRC-32 of the rest of the file |
+/// | rest | little-endian numbers |
+///
+/// Neighbour lists are made again from the positions that they were made for; uncovered directions of the free
+/// surface, which only save time, are found again.
+impl Solver {
+    /// Writes a checkpoint; the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// [`SphError::Io`].
+    pub fn write_checkpoint(&self, path: &Path) -> Result<(), SphError> {
+        let body = encoded(&self.snapshot());
+        AtomicFile::write(path, |out| {
+            out.write_all(MAGIC)?;
+            out.write_all(&fingerprint(self.flow()).to_le_bytes())?;
+            out.write_all(&crc32fast::hash(&body).to_le_bytes())?;
+            out.write_all(&body)
+        })?;
+        Ok(())
+    }
+
+    /// Goes on from a checkpoint with the flow that it was written for.
+    ///
+    /// # Errors
+    /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow.
+    pub fn read_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
+        let fault = |message: &str| SphError::Checkpoint { file: path.display().to_string(), message: message.into() };
+        let bytes =
+            std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
+        let Some((head, body)) = bytes.split_at_checked(16) else {
+            return Err(fault("this is no checkpoint: it ends within the head; remove it and start anew"));
+        };
+        if &head[..8] != MAGIC {
+            return Err(fault("this is no checkpoint of this version; remove it and start anew"));
+        }
+        let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+        if word(12) != crc32fast::hash(body) {
+            return Err(fault("the checkpoint is damaged: its checksum differs; remove it and start anew"));
+        }
+        if word(8) != fingerprint(&flow) {
+            return Err(fault(
+                "the checkpoint belongs to another flow: fluid, boundaries or options differ; only the end time and \
+                 the output may change",
+            ));
+        }
+        flow.validate()?;
+        let snapshot = decoded(body).ok_or_else(|| fault("the checkpoint is too short or too long; start anew"))?;
+        Self::restored(flow, snapshot)
+    }
+}
+
+/// A checksum of what must not change on a restart.
+fn fingerprint(flow: &Flow) -> u32 {
+    crc32fast::hash(format!("{flow:?}").as_bytes())
+}
+
+fn encoded(snapshot: &Snapshot) -> Vec<u8> {
+    let mut out = Vec::new();
+    let Snapshot { state, regions, built_at, time, steps, last_step, sort_due, budget } = snapshot;
+    let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
+    word(state.len() as u64);
+    word(built_at.len() as u64);
+    word(*steps);
+    word(u64::from(*sort_due));
+    word(budget.removed);
+    word(budget.reflections);
+    word(budget.singular);
+    let Budget {
+        start, viscous, diffusive, boundaries, shifting, surface_tension, removed_energy, removed_mass, ..
+    } = *budget;
+    for x in [
+        *time,
+        *last_step,
+        start,
+        viscous,
+        diffusive,
+        boundaries,
+        shifting,
+        surface_tension,
+        removed_energy,
+        removed_mass,
+    ] {
+        word(x.to_bits());
+    }
+    for x in state.x.iter().chain(&state.u).chain(built_at).flatten().chain(&state.density) {
+        word(x.to_bits());
+    }
+    for id in &state.id {
+        out.extend_from_slice(&id.to_le_bytes());
+    }
+    out.extend_from_slice(regions);
+    out
+}
+
+fn decoded(bytes: &[u8]) -> Option<Snapshot> {
+    let mut rest = bytes;
+    let mut word = || {
+        let (head, tail) = rest.split_first_chunk::<8>()?;
+        rest = tail;
+        Some(u64::from_le_bytes(*head))
+    };
+    let count = usize::try_from(word()?).ok()?;
+    let built = usize::try_from(word()?).ok()?;
+    // Before anything is allocated for numbers that are not there.
+    let expected = (7u128 + 10) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    if bytes.len() as u128 != expected {
+        return None;
+    }
+    let (steps, sort_due) = (word()?, word()? != 0);
+    let mut budget = Budget { removed: word()?, reflections: word()?, singular: word()?, ..Budget::default() };
+    let mut number = || Some(f64::from_bits(word()?));
+    let (time, last_step) = (number()?, number()?);
+    budget.start = number()?;
+    budget.viscous = number()?;
+    budget.diffusive = number()?;
+    budget.boundaries = number()?;
+    budget.shifting = number()?;
+    budget.surface_tension = number()?;
+    budget.removed_energy = number()?;
+    budget.removed_mass = number()?;
+    let mut vectors = |n: usize| (0..n).map(|_| Some([number()?, number()?, number()?])).collect::<Option<Vec<_>>>();
+    let (x, u, built_at) = (vectors(count)?, vectors(count)?, vectors(built)?);
+    let density = (0..count).map(|_| number()).collect::<Option<Vec<_>>>()?;
+    let (ids, regions) = rest.split_at_checked(4 * count)?;
+    let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
+    let state = State { x, u, density, id };
+    let regions = regions.to_vec();
+    Some(Snapshot { state, regions, built_at, time, steps, last_step, sort_due, budget })
+}

@@ -1,0 +1,130 @@
+use fieldstone_io::IoError;
+use fieldstone_particles::ParticlesError;
+use fieldstone_surface::SurfaceError;
+use thiserror::Error;
+
+/// Why a flow cannot be set up, or why a run had to stop.
+#[derive(Debug, Error)]
+pub enum SphError {
+    /// A parameter is outside its range.
+    #[error("{name} is {value}; it must be {allowed}")]
+    Option {
+        /// What the parameter is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that are accepted.
+        allowed: &'static str,
+    },
+    /// Eq. 3: the speed of sound is too small for the expected flow, so the fluid would be compressible.
+    #[error(
+        "the speed of sound is {given}; for {cause} it must be at least {needed:.6} (Eq. 3: 10 max(√(p/ρ), U)); raise it, or the expected value is wrong"
+    )]
+    SoundSpeed {
+        /// The speed given.
+        given: f64,
+        /// The lower bound.
+        needed: f64,
+        /// Which expected value demands it.
+        cause: String,
+    },
+    /// Two columns of a particle set differ in length.
+    #[error("{name} has {found} entries for {expected} particles; one per particle is needed")]
+    Length {
+        /// Which column.
+        name: &'static str,
+        /// Its entries.
+        found: usize,
+        /// Particles.
+        expected: usize,
+    },
+    /// Two walls, or two periodic faces, are closer than the kernel reaches.
+    #[error(
+        "{what} are {distance:.6} apart, but the kernel with the neighbour list's margin reaches {reach:.6}; move them apart or lessen the spacing"
+    )]
+    TooNarrow {
+        /// Which boundaries.
+        what: String,
+        /// Their distance.
+        distance: f64,
+        /// Reach of the kernel, with the margin of the neighbour list.
+        reach: f64,
+    },
+    /// A body is too thin for its ghost particles: fluid on one side would feel fluid on the other.
+    #[error(
+        "body {body} is {thickness:.6} thick along {axis}; it must be at least 4 spacings, {needed:.6}, or the fluid on one side feels the other"
+    )]
+    ThinBody {
+        /// Index of the body, from 0.
+        body: usize,
+        /// Its least extent.
+        thickness: f64,
+        /// Along which axis.
+        axis: char,
+        /// What is needed.
+        needed: f64,
+    },
+    /// A particle's state is not a number any more, or its density is not positive.
+    #[error(
+        "step {step}, time {time:.6}: particle {id} at {position:?} has {what}; lessen the time step (cfl), or look at the flow before that"
+    )]
+    Broken {
+        /// Number of the step that ended so.
+        step: u64,
+        /// Time after it.
+        time: f64,
+        /// Number of the particle, from 0.
+        id: u32,
+        /// Where it is.
+        position: [f64; 3],
+        /// What is wrong.
+        what: String,
+    },
+    /// A particle has left the domain where there is no opening.
+    #[error(
+        "step {step}, time {time:.6}: particle {id} has left the domain at {position:?} with velocity {velocity:?}; open that side, or find what pushes it out"
+    )]
+    Lost {
+        /// Number of the step.
+        step: u64,
+        /// Time after it.
+        time: f64,
+        /// Number of the particle, from 0.
+        id: u32,
+        /// Where it is.
+        position: [f64; 3],
+        /// Its velocity.
+        velocity: [f64; 3],
+    },
+    /// A case file does not say what it must.
+    #[error("{file}:{line}: {message}")]
+    Case {
+        /// Name of the file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong and what is possible.
+        message: String,
+    },
+    /// A checkpoint is damaged or belongs to another case.
+    #[error("{file}: {message}")]
+    Checkpoint {
+        /// The file.
+        file: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// The particles, or the neighbour search.
+    #[error(transparent)]
+    Particles(#[from] ParticlesError),
+    /// The free-surface detection.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A file.
+    #[error(transparent)]
+    Io(#[from] IoError),
+}
+
+pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<(), SphError> {
+    if ok { Ok(()) } else { Err(SphError::Option { name, value, allowed }) }
+}

@@ -1,0 +1,140 @@
+use crate::{GaugeKind, GaugeSection, Solver, SphError};
+
+/// Names of the columns of a run's table: the flow as a whole, then the gauges.
+///
+/// | column | meaning |
+/// |---|---|
+/// | `time`, `step`, `dt`, `particles`, `free_surface` | |
+/// | `kinetic`, `potential`, `compression` | energies |
+/// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `removed_energy` | the [`Budget`](crate::Budget) |
+/// | `residual` | what the budget does not explain |
+/// | `removed_mass`, `reflections`, `singular` | |
+/// | `momentum_x`, … | momentum |
+pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
+    let mut names: Vec<String> = [
+        "time",
+        "step",
+        "dt",
+        "particles",
+        "free_surface",
+        "kinetic",
+        "potential",
+        "compression",
+        "viscous",
+        "diffusive",
+        "boundaries",
+        "shifting",
+        "surface_tension",
+        "removed_energy",
+        "residual",
+        "removed_mass",
+        "reflections",
+        "singular",
+        "momentum_x",
+        "momentum_y",
+        "momentum_z",
+    ]
+    .map(String::from)
+    .to_vec();
+    for gauge in gauges {
+        if gauge.kind == GaugeKind::Force {
+            names.extend(["x", "y", "z"].map(|axis| format!("{}_{axis}", gauge.name)));
+        } else {
+            names.push(gauge.name.clone());
+        }
+    }
+    names
+}
+
+/// A row of the table, in the order of [`gauge_columns`].
+///
+/// # Errors
+/// As [`Solver::boundary_forces`], where a force is measured.
+pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64>, SphError> {
+    let energies = solver.energies();
+    let budget = *solver.budget();
+    let free = solver.regions().iter().filter(|&&r| r == 0).count();
+    let mut row = vec![
+        solver.time(),
+        solver.steps() as f64,
+        solver.last_step(),
+        solver.state().len() as f64,
+        free as f64,
+        energies.kinetic,
+        energies.potential,
+        energies.compression,
+        budget.viscous,
+        budget.diffusive,
+        budget.boundaries,
+        budget.shifting,
+        budget.surface_tension,
+        budget.removed_energy,
+        solver.energy_residual(),
+        budget.removed_mass,
+        budget.reflections as f64,
+        budget.singular as f64,
+    ];
+    row.extend(energies.momentum);
+    let forces = if gauges.iter().any(|g| g.kind == GaugeKind::Force) { Some(solver.boundary_forces()?) } else { None };
+    for gauge in gauges {
+        match gauge.kind {
+            GaugeKind::Pressure => row.push(pressure_at(solver, gauge.place())),
+            GaugeKind::Level => row.push(level_over(solver, gauge.place())),
+            GaugeKind::Front => row.push(front(solver, gauge.axis.map_or(0, |a| a as usize))),
+            GaugeKind::Force => {
+                let body = gauge.body.unwrap_or(0);
+                row.extend(forces.as_ref().and_then(|f| f.bodies.get(body)).copied().unwrap_or_default());
+            }
+        }
+    }
+    Ok(row)
+}
+
+/// Mean pressure of the fluid within 2h, weighted by the kernel, each particle's pressure carried to the place along
+/// gravity; 0 where the kernel's volume is less than a tenth full.
+///
+/// $$ p(x) = \frac{\sum_j [p_j + \rho_0\,g\cdot(x - x_j)]\,W(x - x_j)\,V_j}{\sum_j W(x - x_j)\,V_j} $$
+pub fn pressure_at(solver: &Solver, at: [f64; 3]) -> f64 {
+    let fluid = &solver.flow().fluid;
+    let (kernel, state) = (fluid.kernel(), solver.state());
+    let (mut weight, mut sum) = (0.0, 0.0);
+    for (x, density) in state.x.iter().zip(&state.density) {
+        let d: [f64; 3] = std::array::from_fn(|k| if k < fluid.dimension { at[k] - x[k] } else { 0.0 });
+        let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        if squared < kernel.reach() * kernel.reach() {
+            let w = kernel.value(squared.sqrt()) * fluid.particle_mass() / density;
+            let rest: f64 = (0..3).map(|k| fluid.gravity[k] * d[k]).sum();
+            weight += w;
+            sum += w * (fluid.pressure(*density) + fluid.density * rest);
+        }
+    }
+    if weight > 0.1 { sum / weight } else { 0.0 }
+}
+
+/// Height of the highest particle within a spacing of the vertical through `at`, and half a spacing; the domain's
+/// floor where there is none.
+pub fn level_over(solver: &Solver, at: [f64; 3]) -> f64 {
+    let fluid = &solver.flow().fluid;
+    let up = fluid.dimension - 1;
+    let near = |x: &&[f64; 3]| (0..up).all(|k| (x[k] - at[k]).abs() <= fluid.spacing);
+    let highest = solver.state().x.iter().filter(near).map(|x| x[up]).fold(f64::NEG_INFINITY, f64::max);
+    if highest.is_finite() { highest + 0.5 * fluid.spacing } else { solver.flow().boundaries.low[up] }
+}
+
+/// Farthest particle along an axis, and half a spacing; droplets without another particle within 1.5 Δx do not count.
+pub fn front(solver: &Solver, axis: usize) -> f64 {
+    let fluid = &solver.flow().fluid;
+    let x = &solver.state().x;
+    let mut order: Vec<usize> = (0..x.len()).collect();
+    order.sort_unstable_by(|&a, &b| x[b][axis].total_cmp(&x[a][axis]).then(a.cmp(&b)));
+    let reach = 1.5 * fluid.spacing;
+    for (rank, &i) in order.iter().enumerate() {
+        let close = |j: usize| (0..3).map(|k| (x[i][k] - x[j][k]).powi(2)).sum::<f64>() <= reach * reach;
+        let ahead = order[..rank].iter().rev().take_while(|&&j| x[j][axis] - x[i][axis] <= reach);
+        let behind = order[rank + 1..].iter().take_while(|&&j| x[i][axis] - x[j][axis] <= reach);
+        if ahead.chain(behind).any(|&j| close(j)) {
+            return x[i][axis] + 0.5 * fluid.spacing;
+        }
+    }
+    solver.flow().boundaries.low[axis]
+}

@@ -1,0 +1,231 @@
+//! Fluid particles, their images and the ghosts of bodies, sorted in space, with what the sums need of each.
+
+use fieldstone_particles::{Image, NeighbourGrid, NeighbourOptions};
+use rayon::prelude::*;
+
+use crate::ghosts::Ghosts;
+use crate::neighbour_list::NeighbourList;
+use crate::state::State;
+use crate::{Boundaries, FluidOptions, Slip, SphError};
+
+/// x, y, z, V, ρ, u, v, w of a point: one cache line.
+pub(crate) type Carrier = [f64; 8];
+
+/// Points per task when columns are filled.
+const FILL: usize = 4096;
+
+/// Ghosts of all bodies.
+#[derive(Debug, Default)]
+pub(crate) struct BodyGhosts {
+    pub(crate) x: Vec<[f64; 3]>,
+    pub(crate) volume: Vec<f64>,
+    pub(crate) body: Vec<u16>,
+    pub(crate) no_slip: Vec<bool>,
+    /// Interpolated from the fluid in each stage.
+    pub(crate) state: Vec<BodyState>,
+}
+
+/// What a body's ghost takes over from the fluid.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct BodyState {
+    pub(crate) density: f64,
+    /// Of the fluid nearby.
+    pub(crate) velocity: [f64; 3],
+    pub(crate) gradient: [f64; 3],
+    pub(crate) wet: bool,
+}
+
+/// What a sorted point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Fluid(usize),
+    Body(usize),
+    /// Index of the image.
+    Image(usize),
+}
+
+/// The sorted points and the lists of neighbours.
+#[derive(Debug)]
+pub(crate) struct Points {
+    grid: NeighbourGrid,
+    pub(crate) ghosts: Ghosts,
+    pub(crate) bodies: BodyGhosts,
+    /// Lists of fluid particles and of the bodies' ghosts.
+    pub(crate) fluid_list: NeighbourList,
+    pub(crate) body_list: NeighbourList,
+    pub(crate) carriers: Vec<Carrier>,
+    /// ⟨∇ρ⟩ of Eq. 6.
+    pub(crate) gradients: Vec<[f64; 4]>,
+    /// Velocity in the viscous term and whether the point takes part in it; filled where walls or bodies need it.
+    pub(crate) viscous: Vec<[f64; 4]>,
+    pub(crate) needs_viscous: bool,
+    fluid_count: usize,
+    positions: Vec<[f64; 3]>,
+    images: Vec<Image>,
+}
+
+impl Points {
+    pub(crate) fn new(fluid: &FluidOptions, boundaries: &Boundaries, reach: f64) -> Result<Self, SphError> {
+        let rest = fluid.gravity.map(|g| fluid.density * g / (fluid.sound_speed * fluid.sound_speed));
+        let mut bodies = BodyGhosts::default();
+        for (index, body) in boundaries.bodies.iter().enumerate() {
+            let (points, volume) = body.ghosts(fluid);
+            bodies.volume.resize(bodies.x.len() + points.len(), volume);
+            bodies.body.resize(bodies.x.len() + points.len(), index as u16);
+            bodies.no_slip.resize(bodies.x.len() + points.len(), body.slip == Slip::No);
+            bodies.x.extend(points);
+        }
+        let dry = BodyState { density: fluid.density, ..BodyState::default() };
+        bodies.state.resize(bodies.x.len(), dry);
+        let needs_viscous = !bodies.x.is_empty() || boundaries.walls.iter().any(|w| w.slip == Slip::No);
+        let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
+        Ok(Self {
+            grid: NeighbourGrid::build(&[], options)?,
+            ghosts: Ghosts::new(boundaries, fluid.dimension, rest),
+            bodies,
+            fluid_list: NeighbourList::default(),
+            body_list: NeighbourList::default(),
+            carriers: Vec::new(),
+            gradients: Vec::new(),
+            viscous: Vec::new(),
+            needs_viscous,
+            fluid_count: 0,
+            positions: Vec::new(),
+            images: Vec::new(),
+        })
+    }
+
+    pub(crate) fn grid(&self) -> &NeighbourGrid {
+        &self.grid
+    }
+
+    /// Makes images anew and sorts everything; the lists follow with [`list_neighbours`](Self::list_neighbours).
+    pub(crate) fn sort(&mut self, x: &[[f64; 3]], boundaries: &Boundaries) -> Result<(), SphError> {
+        self.fluid_count = x.len();
+        self.ghosts.rebuild(x, boundaries, self.grid.reach() * (1.0 + 1e-9));
+        self.positions.clear();
+        self.positions.extend_from_slice(x);
+        self.positions.extend_from_slice(&self.bodies.x);
+        self.images.clear();
+        let (ghosts, images) = (&self.ghosts, &mut self.images);
+        images.extend(
+            (0..ghosts.images.len()).map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
+        );
+        self.grid.rebuild(&self.positions, &self.images)?;
+        Ok(())
+    }
+
+    pub(crate) fn list_neighbours(&mut self) {
+        let reach = self.grid.reach();
+        let (fluid, bodies) = self.grid.ranks().split_at(self.fluid_count);
+        self.fluid_list.rebuild(&self.grid, fluid, reach);
+        self.body_list.rebuild(&self.grid, bodies, reach);
+    }
+
+    /// Order of the fluid particles in space: `order[new] = old`.
+    pub(crate) fn spatial_order(&self) -> Vec<u32> {
+        self.grid.origins().iter().copied().filter(|&o| (o as usize) < self.fluid_count).collect()
+    }
+
+    #[inline(always)]
+    pub(crate) fn kind(&self, sorted: usize) -> Kind {
+        let origin = self.grid.origins()[sorted] as usize;
+        let (fluid, bodies) = (self.fluid_count, self.bodies.x.len());
+        if origin < fluid {
+            Kind::Fluid(origin)
+        } else if origin < fluid + bodies {
+            Kind::Body(origin - fluid)
+        } else {
+            Kind::Image(origin - fluid - bodies)
+        }
+    }
+
+    /// Fills a column, one entry per sorted point.
+    fn fill<T: Send + Default + Clone>(&self, column: &mut Vec<T>, value: impl Fn(Kind) -> T + Sync) {
+        column.resize(self.grid.point_count(), T::default());
+        column.par_chunks_mut(FILL).enumerate().for_each(|(chunk, out)| {
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = value(self.kind(chunk * FILL + k));
+            }
+        });
+    }
+
+    /// Carriers of all points for a state.
+    pub(crate) fn fill_carriers(&mut self, state: &State, mass: f64) {
+        let mut carriers = std::mem::take(&mut self.carriers);
+        let carrier = |x: [f64; 3], volume, density, u: [f64; 3]| [x[0], x[1], x[2], volume, density, u[0], u[1], u[2]];
+        self.fill(&mut carriers, |kind| match kind {
+            Kind::Fluid(i) => carrier(state.x[i], mass / state.density[i], state.density[i], state.u[i]),
+            Kind::Body(b) => {
+                let BodyState { density, wet, .. } = self.bodies.state[b];
+                carrier(self.bodies.x[b], if wet { self.bodies.volume[b] } else { 0.0 }, density, [0.0; 3])
+            }
+            Kind::Image(image) => {
+                let (source, transform) = self.ghosts.images[image];
+                let (i, transform) = (source as usize, self.ghosts.transform(transform));
+                let density = transform.density(state.x[i], state.density[i]);
+                carrier(transform.position(state.x[i]), mass / density, density, transform.velocity(state.u[i]))
+            }
+        });
+        self.carriers = carriers;
+        if self.needs_viscous {
+            let mut viscous = std::mem::take(&mut self.viscous);
+            let entry = |u: [f64; 3], weight| [u[0], u[1], u[2], weight];
+            self.fill(&mut viscous, |kind| match kind {
+                Kind::Fluid(i) => entry(state.u[i], 1.0),
+                Kind::Body(b) => {
+                    // The mean with the fluid's velocity is the body's, zero.
+                    let weight = f64::from(u8::from(self.bodies.no_slip[b]));
+                    entry(self.bodies.state[b].velocity.map(|u| -u), weight)
+                }
+                Kind::Image(image) => {
+                    let (source, transform) = self.ghosts.images[image];
+                    entry(self.ghosts.transform(transform).viscous_velocity(state.u[source as usize]), 1.0)
+                }
+            });
+            self.viscous = viscous;
+        }
+    }
+
+    /// Gradients of all points from those of the fluid particles.
+    pub(crate) fn fill_gradients(&mut self, fluid: &[[f64; 4]]) {
+        let mut gradients = std::mem::take(&mut self.gradients);
+        let entry = |g: [f64; 3]| [g[0], g[1], g[2], 0.0];
+        self.fill(&mut gradients, |kind| match kind {
+            Kind::Fluid(i) => fluid[i],
+            Kind::Body(b) => entry(self.bodies.state[b].gradient),
+            Kind::Image(image) => {
+                let (source, transform) = self.ghosts.images[image];
+                let [x, y, z, _] = fluid[source as usize];
+                entry(self.ghosts.transform(transform).gradient([x, y, z]))
+            }
+        });
+        self.gradients = gradients;
+    }
+
+    /// A column of bytes per point from one per fluid particle; images take their source's, bodies 0.
+    pub(crate) fn fill_flags(&self, column: &mut Vec<u8>, fluid: &[u8]) {
+        self.fill(column, |kind| match kind {
+            Kind::Fluid(i) => fluid[i],
+            Kind::Body(_) => 0,
+            Kind::Image(image) => fluid[self.ghosts.images[image].0 as usize],
+        });
+    }
+
+    /// Images at the present positions, for a search of another reach.
+    pub(crate) fn images_of(&self, x: &[[f64; 3]], images: &mut Vec<Image>) {
+        images.clear();
+        let ghosts = &self.ghosts;
+        images.extend(
+            (0..ghosts.images.len()).map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
+        );
+    }
+
+    /// Bytes of columns and lists.
+    pub(crate) fn bytes(&self) -> usize {
+        let points = self.grid.point_count();
+        let columns = 64 + 32 + if self.needs_viscous { 32 } else { 0 };
+        // The grid holds positions, sources, order and the points they came from.
+        points * (columns + 24 + 8 + 24 + 24 + 12) + self.fluid_list.bytes() + self.body_list.bytes()
+    }
+}

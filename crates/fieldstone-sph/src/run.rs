@@ -1,0 +1,248 @@
+//! A case from its start, or a checkpoint, to its end, with everything that it leaves behind.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use fieldstone_io::vtk::{VtkEncoding, read_pvd, write_pvd, write_vtp_particles};
+use fieldstone_io::{AtomicFile, IoError};
+use fieldstone_particles::{Particles, Quantity};
+
+use crate::gauges::{gauge_columns, gauge_row};
+use crate::{Case, Solver, SphError};
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The end time is reached.
+    Finished,
+    /// It was asked to stop, and a checkpoint is written.
+    Interrupted,
+}
+
+/// Where a run puts its files.
+///
+/// | file | what |
+/// |---|---|
+/// | `particles_00000.vtp`, … | all particles: velocity, density, pressure, region, shift |
+/// | `particles.pvd` | the series with its times, for ParaView |
+/// | `gauges.csv` | [`gauge_columns`](crate::gauge_columns) |
+/// | `checkpoint.bin` | where to go on |
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunFolder(PathBuf);
+
+impl RunFolder {
+    /// The folder; made where it is missing.
+    ///
+    /// # Errors
+    /// [`SphError::Io`].
+    pub fn create(folder: &Path) -> Result<Self, SphError> {
+        std::fs::create_dir_all(folder).map_err(|e| system(folder, e))?;
+        Ok(Self(folder.into()))
+    }
+
+    /// The checkpoint.
+    pub fn checkpoint(&self) -> PathBuf {
+        self.0.join("checkpoint.bin")
+    }
+
+    /// The series.
+    pub fn series(&self) -> PathBuf {
+        self.0.join("particles.pvd")
+    }
+
+    /// The table of gauges.
+    pub fn gauges(&self) -> PathBuf {
+        self.0.join("gauges.csv")
+    }
+}
+
+fn system(path: &Path, source: std::io::Error) -> SphError {
+    IoError::System { path: path.into(), action: "write", source }.into()
+}
+
+/// Runs a case to its end, or until `interrupt` is set, calling `watch` after every step.
+///
+/// Time steps are never shortened to hit a time of output, so the cadence of output does not touch the result: a
+/// file is written at the first step at or after its time. With `resume` the run goes on from its checkpoint, with the
+/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew.
+///
+/// # Errors
+/// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
+/// `failure.vtp` where they are finite. [`SphError::Io`], [`SphError::Checkpoint`].
+pub fn run(
+    case: &Case,
+    folder: &RunFolder,
+    resume: bool,
+    interrupt: &AtomicBool,
+    mut watch: impl FnMut(&Solver),
+) -> Result<Outcome, SphError> {
+    let output = &case.sections.output;
+    let end = case.sections.time.end;
+    let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
+    let mut series = Series::open(folder, resume.then(|| solver.time()))?;
+    let columns = gauge_columns(&case.sections.gauge);
+    let mut gauges = Table::open(&folder.gauges(), &columns, resume.then(|| solver.time()))?;
+    let mut frames = Schedule::new(output.every.unwrap_or(end / 50.0), &solver, resume);
+    let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
+    let mut last_checkpoint = Instant::now();
+    loop {
+        if let Some(frame) = frames.due(&solver) {
+            series.write(frame, &solver)?;
+        }
+        if rows.due(&solver).is_some() {
+            let row = gauge_row(&mut solver, &case.sections.gauge)?;
+            gauges.row(&row)?;
+        }
+        let finished = solver.time() >= end;
+        let stop = interrupt.load(Ordering::Relaxed);
+        if finished || stop || last_checkpoint.elapsed() >= Duration::from_secs_f64(output.checkpoint_every) {
+            gauges.flush()?;
+            solver.write_checkpoint(&folder.checkpoint())?;
+            last_checkpoint = Instant::now();
+        }
+        if finished {
+            return Ok(Outcome::Finished);
+        }
+        if stop {
+            return Ok(Outcome::Interrupted);
+        }
+        if let Err(error) = solver.step() {
+            gauges.flush()?;
+            // The culprit may have no position that a file could hold; the error names it all the same.
+            if let Ok(particles) = particles_of(&solver) {
+                write_vtp_particles(&folder.0.join("failure.vtp"), &particles, VtkEncoding::default())?;
+            }
+            return Err(error);
+        }
+        watch(&solver);
+    }
+}
+
+/// All particles with their columns, in the order of their numbers.
+///
+/// # Errors
+/// [`SphError::Particles`] where a position is not finite.
+pub fn particles_of(solver: &Solver) -> Result<Particles, SphError> {
+    let (state, fluid) = (solver.state(), &solver.flow().fluid);
+    let mut order: Vec<usize> = (0..state.len()).collect();
+    order.sort_unstable_by_key(|&i| state.id[i]);
+    let scalar = |name: &str, value: &dyn Fn(usize) -> f64| Quantity {
+        name: name.into(),
+        components: 1,
+        data: order.iter().map(|&i| value(i)).collect(),
+    };
+    let vector = |name: &str, values: &[[f64; 3]]| Quantity {
+        name: name.into(),
+        components: 3,
+        data: order.iter().flat_map(|&i| values[i]).collect(),
+    };
+    let mut particles = Particles::new(order.iter().map(|&i| state.x[i]).collect())?
+        .with_ids(order.iter().map(|&i| i64::from(state.id[i])).collect())?
+        .with_quantity(vector("velocity", &state.u))?
+        .with_quantity(scalar("density", &|i| state.density[i]))?
+        .with_quantity(scalar("pressure", &|i| fluid.pressure(state.density[i])))?
+        .with_quantity(scalar("region", &|i| f64::from(solver.regions()[i])))?;
+    let shifts: Vec<[f64; 3]> = solver.shifts().collect();
+    if shifts.len() == state.len() {
+        particles = particles.with_quantity(vector("shift", &shifts))?;
+    }
+    Ok(particles.at(i64::try_from(solver.steps()).ok(), Some(solver.time())))
+}
+
+/// Times at which something is due: the first step at or after each multiple of a period.
+struct Schedule {
+    period: f64,
+    next: u64,
+}
+
+impl Schedule {
+    fn new(period: f64, solver: &Solver, resumed: bool) -> Self {
+        let mut schedule = Self { period, next: 0 };
+        if resumed {
+            // What was due at the checkpoint's step is written.
+            schedule.due(solver);
+        }
+        schedule
+    }
+
+    /// Number of what is due now, if anything.
+    fn due(&mut self, solver: &Solver) -> Option<u64> {
+        let passed = (solver.time() / self.period).floor() as u64;
+        (passed >= self.next).then(|| {
+            self.next = passed + 1;
+            passed
+        })
+    }
+}
+
+struct Series {
+    folder: PathBuf,
+    path: PathBuf,
+    steps: Vec<(f64, PathBuf)>,
+}
+
+impl Series {
+    fn open(folder: &RunFolder, until: Option<f64>) -> Result<Self, SphError> {
+        let mut steps = Vec::new();
+        if let Some(time) = until
+            && folder.series().exists()
+        {
+            steps = read_pvd(&folder.series())?;
+            steps.retain(|(t, _)| *t <= time);
+            for (_, file) in &mut steps {
+                *file = file.file_name().map(PathBuf::from).unwrap_or_default();
+            }
+        }
+        Ok(Self { folder: folder.0.clone(), path: folder.series(), steps })
+    }
+
+    fn write(&mut self, frame: u64, solver: &Solver) -> Result<(), SphError> {
+        let name = PathBuf::from(format!("particles_{frame:05}.vtp"));
+        write_vtp_particles(&self.folder.join(&name), &particles_of(solver)?, VtkEncoding::default())?;
+        self.steps.push((solver.time(), name));
+        write_pvd(&self.path, &self.steps)?;
+        Ok(())
+    }
+}
+
+/// A table that grows while the run goes on.
+struct Table {
+    path: PathBuf,
+    file: File,
+    waiting: String,
+}
+
+impl Table {
+    fn open(path: &Path, columns: &[String], until: Option<f64>) -> Result<Self, SphError> {
+        let mut kept = columns.join(",") + "\n";
+        if let Some(time) = until
+            && let Ok(old) = std::fs::read_to_string(path)
+        {
+            let in_time =
+                |row: &&str| row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time);
+            for row in old.lines().skip(1).filter(in_time) {
+                kept.push_str(row);
+                kept.push('\n');
+            }
+        }
+        AtomicFile::write(path, |out| out.write_all(kept.as_bytes()))?;
+        let file = OpenOptions::new().append(true).open(path).map_err(|e| system(path, e))?;
+        Ok(Self { path: path.into(), file, waiting: String::new() })
+    }
+
+    fn row(&mut self, numbers: &[f64]) -> Result<(), SphError> {
+        let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
+        self.waiting.push_str(&words.join(","));
+        self.waiting.push('\n');
+        if self.waiting.len() > 1 << 14 { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<(), SphError> {
+        self.file.write_all(self.waiting.as_bytes()).map_err(|e| system(&self.path, e))?;
+        self.waiting.clear();
+        Ok(())
+    }
+}

@@ -1,0 +1,683 @@
+use std::time::Instant;
+
+use fieldstone_particles::{Image, NeighbourGrid, NeighbourOptions};
+use fieldstone_surface::{Detection, Exact, Method, ScanningCone, Scene, SurfaceDetection, WitnessCache};
+use rayon::prelude::*;
+
+use crate::boundary_forces::{BoundaryForces, boundary_forces};
+use crate::error::check;
+use crate::ghosts::Ghosts;
+use crate::phases::{Phase, Phases};
+use crate::rates::Rate;
+use crate::shifting::{FREE, Shift};
+use crate::stage::Stage;
+use crate::{
+    Boundaries, Budget, Energies, FluidOptions, Integrator, ShiftingOptions, SphError, State, TimeStepOptions,
+};
+
+/// Everything that a flow is, but for its state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flow {
+    /// The fluid.
+    pub fluid: FluidOptions,
+    /// What is around it.
+    pub boundaries: Boundaries,
+    /// How time advances.
+    pub time_step: TimeStepOptions,
+    /// Particle shifting; needs a detection.
+    pub shifting: Option<ShiftingOptions>,
+    /// Free-surface detection in every step; shifting and tensile control need it.
+    pub detection: Option<Method>,
+    /// Margin of the neighbour lists over the spacing: lists last until a particle has moved half of it.
+    pub skin: f64,
+}
+
+impl Flow {
+    /// A flow without shifting or detection.
+    pub fn new(fluid: FluidOptions, boundaries: Boundaries) -> Self {
+        let skin = if fluid.dimension == 2 { 0.3 } else { 0.15 };
+        Self { fluid, boundaries, time_step: TimeStepOptions::default(), shifting: None, detection: None, skin }
+    }
+
+    /// Checks every option.
+    ///
+    /// # Errors
+    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`].
+    pub fn validate(&self) -> Result<(), SphError> {
+        self.fluid.validate()?;
+        self.time_step.validate()?;
+        check(
+            "the lists' margin over the spacing",
+            self.skin,
+            self.skin > 0.0 && self.skin <= 2.0,
+            "above 0, at most 2",
+        )?;
+        self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
+        if let Some(shifting) = &self.shifting {
+            shifting.validate()?;
+        }
+        Ok(())
+    }
+}
+
+/// Finds the free surface, with what is kept from step to step.
+#[derive(Debug)]
+enum Detector {
+    Exact(Box<Exact>, WitnessCache),
+    Other(Box<dyn SurfaceDetection + Send>),
+}
+
+impl Detector {
+    fn new(method: Method) -> Result<Self, SphError> {
+        Ok(match method {
+            Method::Exact => Self::Exact(Box::default(), WitnessCache::default()),
+            other => Self::Other(other.with_cone(ScanningCone::default())?),
+        })
+    }
+
+    fn reach(&self, spacing: f64) -> f64 {
+        match self {
+            Self::Exact(exact, _) => exact.reach(spacing),
+            Self::Other(method) => method.reach(spacing),
+        }
+    }
+}
+
+/// The δ-SPH solver.
+///
+/// Holds the state, the neighbour lists and what the run has gained and lost. Results do not depend on the number of
+/// threads: every particle gathers its own sums, in the order of its list.
+///
+/// Memory: about 1.9 kB per particle for h/Δx = 2 in three dimensions, three quarters of it neighbour lists
+/// ([`bytes`](Self::bytes) tells).
+///
+/// A drop in free flight keeps its momentum:
+///
+/// ```
+/// use fieldstone_sph::{Boundaries, Flow, FluidOptions, Shape, Solver, State};
+/// let mut fluid = FluidOptions::new(2, 0.05, 1.0, 0.0);
+/// fluid.gravity = [0.0; 3];
+/// let disc = Shape::Sphere { centre: [0.0; 3], radius: 0.5 };
+/// let (x, _) = disc.lattice(0.05, 2);
+/// let state = State {
+///     u: x.iter().map(|x| [-x[0], x[1], 0.0]).collect(),
+///     density: vec![1000.0; x.len()],
+///     id: (0..x.len() as u32).collect(),
+///     x,
+/// };
+/// let flow = Flow::new(fluid, Boundaries::new([-2.0; 3], [2.0; 3], 0.05));
+/// let mut solver = Solver::new(flow, state)?;
+/// for _ in 0..20 {
+///     solver.step()?;
+/// }
+/// let momentum = solver.energies().momentum;
+/// assert!(momentum.iter().all(|p| p.abs() < 1e-10));
+/// # Ok::<(), fieldstone_sph::SphError>(())
+/// ```
+#[derive(Debug)]
+pub struct Solver {
+    flow: Flow,
+    state: State,
+    /// Region of each particle at the end of the last step: 0 free surface, 1 near it, 2 inside.
+    regions: Vec<u8>,
+    /// 1 on the free surface.
+    free: Vec<u8>,
+    shifts: Vec<([f64; 3], u8)>,
+    stage: Stage,
+    /// State between the stages of a step.
+    middle: State,
+    detector: Option<Detector>,
+    detection: Detection,
+    detection_grid: Option<NeighbourGrid>,
+    images: Vec<Image>,
+    flags: Vec<u8>,
+    time: f64,
+    steps: u64,
+    last_step: f64,
+    /// Whether the particles are to be sorted and listed anew at the start of the next step.
+    sort_due: bool,
+    budget: Budget,
+}
+
+/// What a solver is restarted from, beside its flow.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Snapshot {
+    pub(crate) state: State,
+    pub(crate) regions: Vec<u8>,
+    pub(crate) built_at: Vec<[f64; 3]>,
+    pub(crate) time: f64,
+    pub(crate) steps: u64,
+    pub(crate) last_step: f64,
+    pub(crate) sort_due: bool,
+    pub(crate) budget: Budget,
+}
+
+impl Solver {
+    /// A solver at time 0.
+    ///
+    /// # Errors
+    /// As [`Flow::validate`]; [`SphError::Length`], and [`SphError::Broken`] for a state that is not one.
+    pub fn new(flow: Flow, state: State) -> Result<Self, SphError> {
+        flow.validate()?;
+        let mut solver = Self::with(flow, state)?;
+        solver.check_particles()?;
+        solver.budget.start = solver.energies().total();
+        if solver.detector.is_some() {
+            solver.detect()?;
+            solver.regions.clear();
+            solver.regions.extend(solver.free.iter().map(|&f| if f == FREE { 0 } else { 2 }));
+        }
+        Ok(solver)
+    }
+
+    fn with(flow: Flow, state: State) -> Result<Self, SphError> {
+        let count = state.len();
+        for (name, found) in
+            [("the velocity", state.u.len()), ("the density", state.density.len()), ("the number", state.id.len())]
+        {
+            if found != count {
+                return Err(SphError::Length { name, found, expected: count });
+            }
+        }
+        let wanted =
+            flow.detection.or((flow.shifting.is_some() || flow.fluid.tensile_control).then_some(Method::Exact));
+        let detector = wanted.map(Detector::new).transpose()?;
+        Ok(Self {
+            regions: vec![2; count],
+            free: vec![0; count],
+            shifts: Vec::new(),
+            stage: Stage::new(&flow)?,
+            middle: state.clone(),
+            detector,
+            detection: Detection::default(),
+            detection_grid: None,
+            images: Vec::new(),
+            flags: Vec::new(),
+            time: 0.0,
+            steps: 0,
+            last_step: 0.0,
+            sort_due: true,
+            budget: Budget::default(),
+            flow,
+            state,
+        })
+    }
+
+    pub(crate) fn restored(flow: Flow, snapshot: Snapshot) -> Result<Self, SphError> {
+        let mut solver = Self::with(flow, snapshot.state)?;
+        solver.free = snapshot.regions.iter().map(|&r| u8::from(r == 0)).collect();
+        solver.regions = snapshot.regions;
+        solver.time = snapshot.time;
+        solver.steps = snapshot.steps;
+        solver.last_step = snapshot.last_step;
+        solver.sort_due = snapshot.sort_due;
+        solver.budget = snapshot.budget;
+        if !snapshot.sort_due {
+            solver.stage.build(&snapshot.built_at, &solver.flow)?;
+        }
+        Ok(solver)
+    }
+
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.state.clone(),
+            regions: self.regions.clone(),
+            built_at: if self.sort_due { Vec::new() } else { self.stage.built_at.clone() },
+            time: self.time,
+            steps: self.steps,
+            last_step: self.last_step,
+            sort_due: self.sort_due,
+            budget: self.budget,
+        }
+    }
+
+    /// The flow.
+    pub fn flow(&self) -> &Flow {
+        &self.flow
+    }
+
+    /// The particles.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Region of each particle: 0 free surface, 1 within 2h of it, 2 inside; all 2 without detection.
+    pub fn regions(&self) -> &[u8] {
+        &self.regions
+    }
+
+    /// Latest shift of each particle; empty without shifting or before the first step.
+    pub fn shifts(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.shifts.iter().map(|s| s.0)
+    }
+
+    /// Time reached.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps made since time 0.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Length of the latest step.
+    pub fn last_step(&self) -> f64 {
+        self.last_step
+    }
+
+    /// Gains and losses since the start.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
+    }
+
+    /// Where the time went.
+    pub fn phases(&self) -> &Phases {
+        &self.stage.phases
+    }
+
+    /// Energies and momentum of the present state.
+    pub fn energies(&self) -> Energies {
+        Energies::of(&self.state, &self.flow.fluid)
+    }
+
+    /// What the energy budget does not explain: the error of time integration.
+    pub fn energy_residual(&self) -> f64 {
+        let b = &self.budget;
+        let gains = b.viscous + b.diffusive + b.boundaries + b.shifting + b.surface_tension - b.removed_energy;
+        self.energies().total() - b.start - gains
+    }
+
+    /// Ghosts within the kernel's reach of the boundaries: images of particles, and particles of bodies.
+    pub fn ghost_count(&self) -> usize {
+        let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
+        ghosts.rebuild(&self.state.x, &self.flow.boundaries, self.flow.fluid.kernel().reach());
+        ghosts.images.len() + self.stage.points.bodies.x.len()
+    }
+
+    /// Labels of the present state by any detection method: true for the free surface.
+    ///
+    /// # Errors
+    /// As [`SurfaceDetection::label`].
+    pub fn labels(&self, method: &dyn SurfaceDetection) -> Result<Vec<bool>, SphError> {
+        let fluid = &self.flow.fluid;
+        let reach = method.reach(fluid.spacing);
+        let mut ghosts = Ghosts::new(&self.flow.boundaries, fluid.dimension, [0.0; 3]);
+        ghosts.rebuild(&self.state.x, &self.flow.boundaries, reach * (1.0 + 1e-9));
+        let image = |i: usize| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, &self.state.x) };
+        let images: Vec<Image> = (0..ghosts.images.len()).map(image).collect();
+        let (positions, candidates, volumes) = self.surroundings();
+        let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
+        let grid = NeighbourGrid::build_with_images(&positions, &images, options)?;
+        let scene =
+            Scene { grid: &grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
+        let mut labels = method.detect(&scene)?.labels();
+        labels.truncate(self.state.len());
+        Ok(labels)
+    }
+
+    /// Positions, which of them are fluid, and volumes, of fluid particles and bodies' ghosts.
+    fn surroundings(&self) -> (Vec<[f64; 3]>, Vec<bool>, Vec<f64>) {
+        let bodies = &self.stage.points.bodies;
+        let mut positions = self.state.x.clone();
+        positions.extend_from_slice(&bodies.x);
+        let mut candidates = vec![true; self.state.len()];
+        candidates.resize(positions.len(), false);
+        let mass = self.flow.fluid.particle_mass();
+        let mut volumes: Vec<f64> = self.state.density.iter().map(|d| mass / d).collect();
+        volumes.extend_from_slice(&bodies.volume);
+        (positions, candidates, volumes)
+    }
+
+    /// Mean number of points within the kernel's reach and the lists' margin, the particle itself left out.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn mean_neighbours(&mut self) -> Result<f64, SphError> {
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+        Ok(self.stage.points.fluid_list.entries() as f64 / self.state.len().max(1) as f64 - 1.0)
+    }
+
+    /// Bytes that the solver holds.
+    pub fn bytes(&self) -> usize {
+        // State and its middle, rates, gradients, shifts, positions of the lists, regions.
+        let per_particle = 2 * (24 + 24 + 8 + 4) + 56 + 32 + 32 + 24 + 2;
+        self.state.len() * per_particle + self.stage.points.bytes()
+    }
+
+    /// Acceleration of every particle in the present state.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        Ok(self.stage.rates.iter().map(|r| r.acceleration).collect())
+    }
+
+    /// Forces of the fluid on walls and bodies in the present state.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn boundary_forces(&mut self) -> Result<BoundaryForces, SphError> {
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        Ok(boundary_forces(&self.stage.points, &self.flow.fluid, self.flow.boundaries.bodies.len()))
+    }
+
+    /// The time step that the present state allows.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn allowed_step(&mut self) -> Result<f64, SphError> {
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        Ok(self.step_length())
+    }
+
+    fn step_length(&self) -> f64 {
+        let largest = |vectors: &mut dyn Iterator<Item = [f64; 3]>| {
+            vectors.map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max).sqrt()
+        };
+        let speed = largest(&mut self.state.u.iter().copied());
+        let acceleration = largest(&mut self.stage.rates.iter().map(|r| r.acceleration));
+        self.flow.time_step.step(&self.flow.fluid, speed, acceleration)
+    }
+
+    /// Makes one time step and returns its length.
+    ///
+    /// # Errors
+    /// [`SphError::Broken`] where a number is not one any more, [`SphError::Lost`] where a particle leaves the domain
+    /// without an opening; the detection's errors. The state then is that of the failure, for a look.
+    pub fn step(&mut self) -> Result<f64, SphError> {
+        if self.sort_due {
+            self.sort()?;
+        }
+        let before = self.stage.displacement(&self.state.x);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        let mut clock = Instant::now();
+        let dt = self.step_length();
+        self.stage.phases.add(Phase::Rest, &mut clock);
+        match self.flow.time_step.integrator {
+            Integrator::Symplectic => self.step_symplectic(dt)?,
+            Integrator::RungeKutta4 => self.step_runge_kutta(dt)?,
+        }
+        clock = Instant::now();
+        self.time += dt;
+        self.steps += 1;
+        self.last_step = dt;
+        self.reflect_at_walls();
+        self.check_particles()?;
+        let removed = self.remove_beyond_openings();
+        self.stage.phases.add(Phase::Rest, &mut clock);
+        if self.detector.is_some() {
+            self.detect()?;
+        }
+        if self.flow.shifting.is_some() {
+            self.shift()?;
+        }
+        clock = Instant::now();
+        let after = self.stage.displacement(&self.state.x);
+        self.sort_due = removed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
+        self.stage.phases.steps += 1;
+        self.stage.phases.add(Phase::Rest, &mut clock);
+        Ok(dt)
+    }
+
+    /// Wraps periodic positions, sorts the particles in space and lists neighbours anew.
+    fn sort(&mut self) -> Result<(), SphError> {
+        let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
+        for axis in (0..3).filter(|&k| periodic[k]) {
+            let length = high[axis] - low[axis];
+            for x in &mut self.state.x {
+                if x[axis] < low[axis] {
+                    x[axis] += length;
+                } else if x[axis] >= high[axis] {
+                    x[axis] -= length;
+                }
+            }
+        }
+        let order = self.stage.build_sorted(&mut self.state, &self.flow)?;
+        self.regions = crate::state::picked(&self.regions, &order);
+        self.free = crate::state::picked(&self.free, &order);
+        self.forget_witnesses();
+        self.sort_due = false;
+        Ok(())
+    }
+
+    fn forget_witnesses(&mut self) {
+        if let Some(Detector::Exact(_, cache)) = &mut self.detector {
+            cache.clear();
+        }
+    }
+
+    /// Sets `middle` to the state advanced with its own velocity and the latest rates.
+    fn predict(&mut self, dt: f64) {
+        let (state, rates, middle) = (&self.state, &self.stage.rates, &mut self.middle);
+        let zipped = middle.x.par_iter_mut().zip(&mut middle.u).zip(&mut middle.density);
+        let old = state.x.par_iter().zip(&state.u).zip(&state.density).zip(rates);
+        zipped.zip(old).for_each(|(((x, u), density), (((x0, u0), density0), rate))| {
+            for k in 0..3 {
+                x[k] = x0[k] + dt * u0[k];
+                u[k] = u0[k] + dt * rate.acceleration[k];
+            }
+            *density = density0 + dt * rate.density;
+        });
+    }
+
+    fn step_symplectic(&mut self, dt: f64) -> Result<(), SphError> {
+        let mut clock = Instant::now();
+        self.fit_middle();
+        self.predict(0.5 * dt);
+        self.stage.phases.add(Phase::Rest, &mut clock);
+        self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
+        clock = Instant::now();
+        self.book(dt);
+        let (state, rates) = (&mut self.state, &self.stage.rates);
+        let all = state.x.par_iter_mut().zip(&mut state.u).zip(&mut state.density).zip(rates);
+        all.for_each(|(((x, u), density), rate)| {
+            for k in 0..3 {
+                let old = u[k];
+                u[k] += dt * rate.acceleration[k];
+                x[k] += 0.5 * dt * (old + u[k]);
+            }
+            *density += dt * rate.density;
+        });
+        self.stage.phases.add(Phase::Rest, &mut clock);
+        Ok(())
+    }
+
+    fn step_runge_kutta(&mut self, dt: f64) -> Result<(), SphError> {
+        self.fit_middle();
+        let mut moved: Vec<[f64; 3]> = self.state.u.clone();
+        let mut sum: Vec<Rate> = self.stage.rates.clone();
+        self.book(dt / 6.0);
+        for (stage, weight) in [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+            let mut clock = Instant::now();
+            // The velocity of the stage before moves the positions of this one.
+            let velocity = self.middle.u.clone();
+            self.predict(stage * dt);
+            let advance = |(x, (x0, u)): (&mut [f64; 3], (&[f64; 3], &[f64; 3]))| {
+                for k in 0..3 {
+                    x[k] = x0[k] + stage * dt * u[k];
+                }
+            };
+            self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
+            self.stage.phases.add(Phase::Rest, &mut clock);
+            self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
+            clock = Instant::now();
+            self.book(weight * dt / 6.0);
+            let latest = self.stage.rates.par_iter().zip(&self.middle.u);
+            sum.par_iter_mut().zip(&mut moved).zip(latest).for_each(|((sum, moved), (rate, u))| {
+                for k in 0..3 {
+                    sum.acceleration[k] += weight * rate.acceleration[k];
+                    moved[k] += weight * u[k];
+                }
+                sum.density += weight * rate.density;
+            });
+            self.stage.phases.add(Phase::Rest, &mut clock);
+        }
+        let state = &mut self.state;
+        let all = state.x.par_iter_mut().zip(&mut state.u).zip(&mut state.density).zip(sum.par_iter().zip(&moved));
+        all.for_each(|(((x, u), density), (rate, moved))| {
+            for k in 0..3 {
+                x[k] += dt / 6.0 * moved[k];
+                u[k] += dt / 6.0 * rate.acceleration[k];
+            }
+            *density += dt / 6.0 * rate.density;
+        });
+        Ok(())
+    }
+
+    fn fit_middle(&mut self) {
+        self.middle.x.clone_from(&self.state.x);
+        self.middle.u.clone_from(&self.state.u);
+        self.middle.density.clone_from(&self.state.density);
+        self.middle.id.clone_from(&self.state.id);
+    }
+
+    /// Adds the powers of the latest evaluation to the budget; summed in the order of the particles.
+    fn book(&mut self, dt: f64) {
+        for rate in &self.stage.rates {
+            self.budget.viscous += dt * rate.viscous_power;
+            self.budget.diffusive += dt * rate.diffusive_power;
+            self.budget.boundaries += dt * rate.boundary_power;
+        }
+        self.budget.surface_tension += dt * self.stage.tension_power;
+        self.budget.singular += self.stage.gradients.iter().filter(|g| g[3] != 0.0).count() as u64;
+    }
+
+    /// A particle that has passed a mirror changes places with its image.
+    fn reflect_at_walls(&mut self) {
+        let fluid = &self.flow.fluid;
+        let stiffness = fluid.density / (fluid.sound_speed * fluid.sound_speed);
+        for wall in &self.flow.boundaries.walls {
+            let normal = wall.plane.normal();
+            for i in 0..self.state.len() {
+                let x = self.state.x[i];
+                if wall.plane.distance(x) >= 0.0 {
+                    continue;
+                }
+                let before = Energies::of_particle(x, self.state.u[i], self.state.density[i], fluid);
+                let image = wall.plane.mirror(x);
+                let across: f64 = (0..3).map(|k| self.state.u[i][k] * normal[k]).sum();
+                let depth: f64 = (0..3).map(|k| fluid.gravity[k] * (image[k] - x[k])).sum();
+                for (u, n) in self.state.u[i].iter_mut().zip(normal) {
+                    *u -= 2.0 * across * n;
+                }
+                self.state.x[i] = image;
+                self.state.density[i] += stiffness * depth;
+                let after = Energies::of_particle(image, self.state.u[i], self.state.density[i], fluid);
+                self.budget.shifting += after.total() - before.total();
+                self.budget.reflections += 1;
+            }
+        }
+    }
+
+    fn check_particles(&self) -> Result<(), SphError> {
+        let Boundaries { low, high, periodic, open, padding, .. } = &self.flow.boundaries;
+        let dimension = self.flow.fluid.dimension;
+        let bad = (0..self.state.len()).into_par_iter().find_map_first(|i| {
+            let (position, velocity, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
+            let (step, time, id) = (self.steps, self.time, self.state.id[i]);
+            let what = if !position.iter().chain(&velocity).all(|x| x.is_finite()) {
+                Some(format!("velocity {velocity:?}"))
+            } else if !(density > 0.0 && density.is_finite()) {
+                Some(format!("density {density}"))
+            } else {
+                None
+            };
+            if let Some(what) = what {
+                return Some(SphError::Broken { step, time, id, position, what });
+            }
+            let lost = (0..dimension).any(|k| {
+                // A periodic particle is wrapped when the lists are built next.
+                let margin = if periodic[k] { high[k] - low[k] } else { *padding };
+                position[k] < low[k] - margin && !open[k][0] || position[k] > high[k] + margin && !open[k][1]
+            });
+            lost.then_some(SphError::Lost { step, time, id, position, velocity })
+        });
+        bad.map_or(Ok(()), Err)
+    }
+
+    fn remove_beyond_openings(&mut self) -> bool {
+        let Boundaries { low, high, open, .. } = &self.flow.boundaries;
+        if open.iter().flatten().all(|open| !open) {
+            return false;
+        }
+        let stays = |x: &[f64; 3]| {
+            (0..self.flow.fluid.dimension).all(|k| !(open[k][0] && x[k] < low[k] || open[k][1] && x[k] > high[k]))
+        };
+        if self.state.x.iter().all(stays) {
+            return false;
+        }
+        let (kept, gone): (Vec<u32>, Vec<u32>) =
+            (0..self.state.len() as u32).partition(|&i| stays(&self.state.x[i as usize]));
+        for &i in &gone {
+            let i = i as usize;
+            let (x, u, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
+            self.budget.removed_energy += Energies::of_particle(x, u, density, &self.flow.fluid).total();
+            self.budget.removed_mass += self.flow.fluid.particle_mass();
+            self.budget.removed += 1;
+        }
+        self.state.reorder(&kept);
+        self.regions = crate::state::picked(&self.regions, &kept);
+        self.free = crate::state::picked(&self.free, &kept);
+        self.stage.built_at.clear();
+        self.forget_witnesses();
+        true
+    }
+
+    /// Labels the free surface of the present state.
+    fn detect(&mut self) -> Result<(), SphError> {
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+        let mut clock = Instant::now();
+        let (positions, candidates, volumes) = self.surroundings();
+        let Some(detector) = &mut self.detector else { return Ok(()) };
+        let points = &self.stage.points;
+        let (fluid, count) = (&self.flow.fluid, self.state.len());
+        points.images_of(&self.state.x, &mut self.images);
+        let reach = detector.reach(fluid.spacing);
+        let grid = match &mut self.detection_grid {
+            Some(grid) => {
+                grid.rebuild(&positions, &self.images)?;
+                grid
+            }
+            none => {
+                let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
+                none.insert(NeighbourGrid::build_with_images(&positions, &self.images, options)?)
+            }
+        };
+        let scene = Scene { grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
+        match detector {
+            Detector::Exact(exact, cache) => exact.label_with(&scene, cache, &mut self.detection)?,
+            Detector::Other(method) => method.label(&scene, &mut self.detection)?,
+        }
+        let detection = &self.detection;
+        (0..count).into_par_iter().map(|i| u8::from(detection.is_free_surface(i))).collect_into_vec(&mut self.free);
+        self.regions.clear();
+        self.regions.extend(self.free.iter().map(|&f| if f == FREE { 0 } else { 2 }));
+        self.stage.phases.add(Phase::Detection, &mut clock);
+        Ok(())
+    }
+
+    fn shift(&mut self) -> Result<(), SphError> {
+        let Some(shifting) = &self.flow.shifting else { return Ok(()) };
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+        let mut clock = Instant::now();
+        let fluid = &self.flow.fluid;
+        let points = &mut self.stage.points;
+        points.fill_carriers(&self.state, fluid.particle_mass());
+        points.fill_flags(&mut self.flags, &self.free);
+        self.shifts.resize(self.state.len(), ([0.0; 3], 2));
+        let shift = Shift::new(fluid, shifting, &points.carriers, &self.flags, points.grid().ranks());
+        points.fluid_list.sum(&shift, &mut self.shifts);
+        let mass = fluid.particle_mass();
+        for (i, (shift, region)) in self.shifts.iter().enumerate() {
+            for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(fluid.gravity) {
+                *x += s;
+                self.budget.shifting -= mass * g * s;
+            }
+            self.regions[i] = *region;
+        }
+        self.stage.phases.add(Phase::Shifting, &mut clock);
+        Ok(())
+    }
+}

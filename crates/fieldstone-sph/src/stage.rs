@@ -1,0 +1,125 @@
+//! One evaluation of the right-hand sides.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::density_gradient::DensityGradient;
+use crate::phases::{Phase, Phases};
+use crate::points::Points;
+use crate::rates::{Rate, Rates};
+use crate::surface_tension::SurfaceTension;
+use crate::{Flow, SphError, State, body_state};
+
+/// Neighbours, columns and rates of the latest state that was evaluated.
+#[derive(Debug)]
+pub(crate) struct Stage {
+    pub(crate) points: Points,
+    pub(crate) rates: Vec<Rate>,
+    pub(crate) gradients: Vec<[f64; 4]>,
+    tension: SurfaceTension,
+    /// Power of surface tension, of the latest evaluation.
+    pub(crate) tension_power: f64,
+    /// Positions that the lists were built for; empty where there are none.
+    pub(crate) built_at: Vec<[f64; 3]>,
+    /// Margin of the lists beyond the kernel's reach.
+    pub(crate) skin: f64,
+    pub(crate) phases: Phases,
+}
+
+impl Stage {
+    pub(crate) fn new(flow: &Flow) -> Result<Self, SphError> {
+        let skin = flow.skin * flow.fluid.spacing;
+        let reach = flow.fluid.kernel().reach() + skin;
+        Ok(Self {
+            points: Points::new(&flow.fluid, &flow.boundaries, reach)?,
+            rates: Vec::new(),
+            gradients: Vec::new(),
+            tension: SurfaceTension::default(),
+            tension_power: 0.0,
+            built_at: Vec::new(),
+            skin,
+            phases: Phases::default(),
+        })
+    }
+
+    /// Builds the lists for positions.
+    pub(crate) fn build(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
+        let mut clock = Instant::now();
+        self.points.sort(x, &flow.boundaries)?;
+        self.finish_build(x, &mut clock);
+        Ok(())
+    }
+
+    /// As [`build`](Self::build), after putting the particles into the order in which they lie in space; returns it.
+    pub(crate) fn build_sorted(&mut self, state: &mut State, flow: &Flow) -> Result<Vec<u32>, SphError> {
+        let mut clock = Instant::now();
+        self.points.sort(&state.x, &flow.boundaries)?;
+        let order = self.points.spatial_order();
+        state.reorder(&order);
+        // Again, for indices in the new order; the points' own order stays.
+        self.points.sort(&state.x, &flow.boundaries)?;
+        self.finish_build(&state.x, &mut clock);
+        Ok(order)
+    }
+
+    fn finish_build(&mut self, x: &[[f64; 3]], clock: &mut Instant) {
+        self.points.list_neighbours();
+        self.built_at.clear();
+        self.built_at.extend_from_slice(x);
+        self.phases.lists_built += 1;
+        self.phases.add(Phase::Neighbours, clock);
+    }
+
+    /// Largest distance of a particle from where the lists were built.
+    pub(crate) fn displacement(&self, x: &[[f64; 3]]) -> f64 {
+        if self.built_at.len() != x.len() {
+            return f64::INFINITY;
+        }
+        let square = |(a, b): (&[f64; 3], &[f64; 3])| {
+            let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+            dx * dx + dy * dy + dz * dz
+        };
+        x.par_iter().zip(&self.built_at).map(square).reduce(|| 0.0, f64::max).sqrt()
+    }
+
+    /// Builds the lists where a particle may have moved out of them.
+    pub(crate) fn ensure_lists(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
+        // A position that is not a number moves no maximum; the grid or the check after the step names it.
+        if 2.0 * self.displacement(x) > self.skin { self.build(x, flow) } else { Ok(()) }
+    }
+
+    /// Rates of a state; `free` marks the free surface for tensile control.
+    pub(crate) fn evaluate(&mut self, state: &State, flow: &Flow, free: &[u8]) -> Result<(), SphError> {
+        self.ensure_lists(&state.x, flow)?;
+        let mut clock = Instant::now();
+        let fluid = &flow.fluid;
+        self.points.fill_carriers(state, fluid.particle_mass());
+        body_state::interpolate(&mut self.points, fluid);
+        self.phases.add(Phase::Columns, &mut clock);
+
+        let points = &self.points;
+        self.gradients.resize(state.len(), [0.0; 4]);
+        let gradient = DensityGradient::new(fluid, &points.carriers, points.grid().ranks());
+        points.fluid_list.sum(&gradient, &mut self.gradients);
+        self.phases.add(Phase::Gradient, &mut clock);
+        self.points.fill_gradients(&self.gradients);
+        body_state::interpolate_gradients(&mut self.points, fluid);
+        self.phases.add(Phase::Columns, &mut clock);
+
+        let points = &self.points;
+        self.rates.resize(state.len(), Rate::default());
+        let tensile = fluid.tensile_control.then_some(free);
+        if points.needs_viscous {
+            points.fluid_list.sum(&Rates::<true>::new(fluid, points, tensile), &mut self.rates);
+        } else {
+            points.fluid_list.sum(&Rates::<false>::new(fluid, points, tensile), &mut self.rates);
+        }
+        self.tension_power = 0.0;
+        if fluid.surface_tension > 0.0 {
+            self.tension_power = self.tension.add(fluid, points, &mut self.rates);
+        }
+        self.phases.add(Phase::Rates, &mut clock);
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! Flows that several tests use.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Shape, Slip, Solver, State};
+use fieldstone_surface::Wall;
+
+/// A state on the lattice of shapes, with velocity and pressure as functions of the position.
+pub fn state(
+    shapes: &[Shape],
+    fluid: &FluidOptions,
+    velocity: impl Fn([f64; 3]) -> [f64; 3],
+    pressure: impl Fn([f64; 3]) -> f64,
+) -> State {
+    let x: Vec<[f64; 3]> = shapes.iter().flat_map(|s| s.lattice(fluid.spacing, fluid.dimension).0).collect();
+    State {
+        u: x.iter().map(|&x| velocity(x)).collect(),
+        density: x.iter().map(|&x| fluid.density_at(pressure(x))).collect(),
+        id: (0..x.len() as u32).collect(),
+        x,
+    }
+}
+
+/// A floor along the lowest face and walls on all sides but the top.
+pub fn tank(low: [f64; 3], high: [f64; 3], fluid: &FluidOptions, slip: Slip) -> Boundaries {
+    let up = fluid.dimension - 1;
+    let mut boundaries = Boundaries::new(low, high, fluid.spacing);
+    for axis in 0..fluid.dimension {
+        let mut normal = [0.0; 3];
+        normal[axis] = 1.0;
+        boundaries.walls.push(MirrorWall { plane: Wall::new(normal, low[axis]).unwrap(), slip });
+        if axis != up {
+            boundaries.walls.push(MirrorWall { plane: Wall::new(normal.map(|n| -n), -high[axis]).unwrap(), slip });
+        }
+    }
+    boundaries.open[up][1] = true;
+    boundaries
+}
+
+/// A column of water in the left corner of a tank in two dimensions.
+pub fn dam_break(spacing: f64, slip: Slip) -> (Flow, State) {
+    let mut fluid = FluidOptions::new(2, spacing, 2.0, 4000.0);
+    fluid.sound_speed = 30.0;
+    let boundaries = tank([0.0; 3], [1.2, 1.0, 0.0], &fluid, slip);
+    let column = Shape::Box { low: [0.0; 3], high: [0.4, 0.3, 0.0] };
+    let state = state(&[column], &fluid, |_| [0.0; 3], |x| 9810.0 * (0.3 - x[1]));
+    (Flow::new(fluid, boundaries), state)
+}
+
+/// Steps until a time.
+pub fn run(solver: &mut Solver, until: f64) {
+    while solver.time() < until {
+        solver.step().unwrap();
+    }
+}
+
+/// State in the order of the particles' numbers, as bits.
+pub fn bits(solver: &Solver) -> Vec<u64> {
+    let state = solver.state();
+    let mut order: Vec<usize> = (0..state.len()).collect();
+    order.sort_by_key(|&i| state.id[i]);
+    order
+        .iter()
+        .flat_map(|&i| state.x[i].into_iter().chain(state.u[i]).chain([state.density[i]]).map(f64::to_bits))
+        .collect()
+}

@@ -1,0 +1,261 @@
+//! `fieldstone sph`: the δ-SPH solver on cases described in TOML.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Subcommand};
+use fieldstone::io::AtomicFile;
+use fieldstone::sph::{Case, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver, run};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::{outputs, report};
+
+/// Free-surface flow by smoothed particle hydrodynamics (δ-SPH)
+#[derive(Debug, Args)]
+#[command(after_long_help = "Example:\n  \
+    fieldstone sph new dam-break --spacing 0.02 > dam.toml\n  \
+    fieldstone sph check dam.toml\n  \
+    fieldstone sph run dam.toml\n\n\
+    Ctrl-C writes a checkpoint; fieldstone sph run dam.toml --resume goes on from it, with the same bits as a run that \
+    was never stopped.")]
+pub(crate) struct Sph {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    New(New),
+    Check(Check),
+    Run(Run),
+}
+
+/// Print a case to start from
+#[derive(Debug, Args)]
+struct New {
+    /// Which one
+    #[arg(value_parser = PossibleValuesParser::new(SHIPPED.iter().map(|c| c.name)))]
+    case: String,
+    /// Initial distance of particles, in the case's unit of length
+    #[arg(long, value_name = "DX", value_parser = super::arguments::positive, allow_negative_numbers = true)]
+    spacing: Option<f64>,
+}
+
+/// Count particles and estimate memory and time, without running
+#[derive(Debug, Args)]
+struct Check {
+    /// The case (.toml)
+    case: PathBuf,
+    /// Write the figures as JSON, too
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Run a case to its end
+///
+/// Leaves particles_*.vtp with particles.pvd for ParaView, gauges.csv and checkpoint.bin.
+#[derive(Debug, Args)]
+struct Run {
+    /// The case (.toml)
+    case: PathBuf,
+    /// Folder for the results; made where it is missing [default: the case's name without .toml]
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Go on from the folder's checkpoint; end time and outputs may differ
+    #[arg(long)]
+    resume: bool,
+    /// Print where the time went
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+impl Sph {
+    pub fn run(self) -> anyhow::Result<()> {
+        match self.what {
+            What::New(command) => command.run(),
+            What::Check(command) => command.run(),
+            What::Run(command) => command.run(),
+        }
+    }
+}
+
+impl New {
+    fn run(self) -> anyhow::Result<()> {
+        let Some(case) = SHIPPED.iter().find(|c| c.name == self.case) else { bail!("no such case") };
+        let case = Case::parse(case.text, case.name)?;
+        let case = match self.spacing {
+            Some(spacing) => case.with_spacing(spacing)?,
+            None => case,
+        };
+        report::print(case.text())
+    }
+}
+
+/// What `check` finds.
+#[derive(Debug, Serialize)]
+struct Figures {
+    fluid: usize,
+    ghost: usize,
+    free_surface: usize,
+    neighbours: f64,
+    time_step: f64,
+    steps: f64,
+    bytes: usize,
+    seconds: f64,
+}
+
+impl Check {
+    fn run(self) -> anyhow::Result<()> {
+        if let Some(path) = &self.json {
+            outputs::check("--json", path, &[&self.case])?;
+        }
+        let case = Case::read(&self.case)?;
+        let figures = measure(&case)?;
+        let text = format!(
+            "fluid                {}\nghost                {}\nfree surface         {}\nneighbours           {:.0}\n\
+             time step            {:.3e}\nsteps                {:.0}\nmemory               {:.2} GB\n\
+             estimated time       {}\n",
+            figures.fluid,
+            figures.ghost,
+            figures.free_surface,
+            figures.neighbours,
+            figures.time_step,
+            figures.steps,
+            figures.bytes as f64 / 1e9,
+            duration(figures.seconds),
+        );
+        if let Some(path) = &self.json {
+            let json = serde_json::to_string_pretty(&figures)?;
+            AtomicFile::write(path, |out| writeln!(out, "{json}"))?;
+        }
+        report::print(&text)
+    }
+}
+
+fn measure(case: &Case) -> anyhow::Result<Figures> {
+    // Counted by the exact detection, whichever the case uses.
+    let mut flow = case.flow()?;
+    flow.detection = Some(fieldstone::surface::Method::Exact);
+    let mut solver = Solver::new(flow, case.state()?)?;
+    let free_surface = solver.regions().iter().filter(|&&r| r == 0).count();
+    let (fluid, ghost) = (solver.state().len(), solver.ghost_count());
+    let time_step = solver.allowed_step()?;
+    // The first step warms up; the second tells the cost. The time step hardly changes in these flows.
+    solver.step()?;
+    let start = Instant::now();
+    solver.step()?;
+    let steps = case.sections.time.end / time_step;
+    Ok(Figures {
+        fluid,
+        ghost,
+        free_surface,
+        neighbours: solver.mean_neighbours()?,
+        time_step,
+        steps,
+        bytes: solver.bytes(),
+        seconds: steps * start.elapsed().as_secs_f64(),
+    })
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 120.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 7200.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+impl Run {
+    fn run(self) -> anyhow::Result<()> {
+        let case = Case::read(&self.case)?;
+        // What cannot start leaves no folder behind.
+        case.state()?;
+        let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
+        let files = RunFolder::create(&folder)?;
+        if !self.resume && files.checkpoint().exists() {
+            bail!(
+                "{}: there is a checkpoint of an earlier run; go on from it with --resume, or give another folder with \
+                 --out",
+                files.checkpoint().display()
+            );
+        }
+        let interrupt = stop_on_ctrl_c()?;
+        let bar = progress()?;
+        let mut last: Option<(Phases, usize, u64)> = None;
+        let start = Instant::now();
+        let mut first_time = None;
+        let outcome = run(&case, &files, self.resume, &interrupt, |solver| {
+            let first = *first_time.get_or_insert(solver.time());
+            show(&bar, solver, case.sections.time.end, first, start);
+            last = Some((*solver.phases(), solver.state().len(), solver.budget().removed));
+        })?;
+        bar.finish_and_clear();
+        if let Some((phases, particles, removed)) = last {
+            let mut text = format!("particles            {particles}\nremoved              {removed}\n");
+            text.push_str(&format!("steps                {}\n", phases.steps));
+            if self.verbose {
+                text.push_str(&phase_table(&phases, particles));
+            }
+            report::print(&text)?;
+        }
+        match outcome {
+            Outcome::Finished => report::print(&format!("written to           {}\n", folder.display())),
+            Outcome::Interrupted => bail!(
+                "stopped; {} is written: go on with fieldstone sph run {} --resume",
+                files.checkpoint().display(),
+                self.case.display()
+            ),
+        }
+    }
+}
+
+fn default_folder(case: &Path) -> PathBuf {
+    let folder = case.with_extension("");
+    if folder == case { case.with_extension("results") } else { folder }
+}
+
+fn stop_on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupt);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("cannot listen for Ctrl-C")?;
+    Ok(interrupt)
+}
+
+fn progress() -> anyhow::Result<ProgressBar> {
+    let style = ProgressStyle::with_template("{msg} {bar:30} {percent:>3} %")?;
+    Ok(ProgressBar::new(1000).with_style(style))
+}
+
+fn show(bar: &ProgressBar, solver: &Solver, end: f64, first: f64, start: Instant) {
+    let done = solver.time() / end;
+    let left = start.elapsed().as_secs_f64() * (end - solver.time()) / (solver.time() - first).max(f64::MIN_POSITIVE);
+    bar.set_position((1000.0 * done) as u64);
+    bar.set_message(format!(
+        "t {:.4} of {end}, step {}, Δt {:.2e}, {} left",
+        solver.time(),
+        solver.steps(),
+        solver.last_step(),
+        if solver.time() > first { duration(left) } else { "?".into() }
+    ));
+}
+
+/// Where the time of a run went.
+fn phase_table(phases: &Phases, particles: usize) -> String {
+    let total = phases.total().as_secs_f64().max(f64::MIN_POSITIVE);
+    let work = (particles as f64 * phases.steps as f64).max(1.0);
+    let mut text = String::from("phase            seconds   share   µs per particle and step\n");
+    for phase in Phase::ALL {
+        let time = phases.time(phase).as_secs_f64();
+        let (share, each) = (100.0 * time / total, 1e6 * time / work);
+        text.push_str(&format!("{:<14} {time:>9.2} {share:>6.1} % {each:>10.3}\n", phase.name()));
+    }
+    text.push_str(&format!("{:<14} {total:>9.2}   lists built {} times\n", "total", phases.lists_built));
+    text
+}

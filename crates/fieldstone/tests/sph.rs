@@ -1,0 +1,59 @@
+//! `fieldstone sph` as users run it.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::Folder;
+
+/// A shipped case in the folder.
+fn case(folder: &Folder, name: &str, spacing: &str) -> String {
+    let run = folder.succeeds(&format!("sph new {name} --spacing {spacing}"));
+    let file = format!("{name}.toml");
+    folder.write(&file, run.stdout);
+    file
+}
+
+#[test]
+fn check_counts_the_papers_free_surface_before_anything_runs() {
+    let folder = Folder::new();
+    for (name, spacing, fluid, free) in [("double-dam-break", "0.04", 39_000, 4142), ("obstacle", "0.01", 72_000, 4140)]
+    {
+        let file = case(&folder, name, spacing);
+        folder.succeeds(&format!("sph check {file} --json check.json"));
+        let found: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(folder.path("check.json")).unwrap()).unwrap();
+        assert_eq!(found["fluid"], fluid);
+        assert_eq!(found["free_surface"], free);
+        assert!(found["ghost"].as_u64().unwrap() > 10_000 && found["time_step"].as_f64().unwrap() > 1e-5);
+        assert!(found["bytes"].as_u64().unwrap() / fluid > 1000);
+    }
+}
+
+#[test]
+fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
+    let folder = Folder::new();
+    let file = case(&folder, "column-1-2", "0.0146");
+    let short = std::fs::read_to_string(folder.path(&file)).unwrap().replace("end = 0.5", "end = 0.04");
+    folder.write(&file, &short);
+    let said = folder.succeeds(&format!("sph run {file} -v")).stdout;
+    assert!(said.contains("gradient") && said.contains("written to           column-1-2"), "{said}");
+    for name in ["particles.pvd", "particles_00000.vtp", "gauges.csv", "checkpoint.bin"] {
+        assert!(folder.path("column-1-2").join(name).exists(), "{name}");
+    }
+    assert!(folder.fails(&format!("sph run {file}")).contains("go on from it with --resume"));
+    folder.write(&file, short.replace("end = 0.04", "end = 0.06"));
+    folder.succeeds(&format!("sph run {file} --resume"));
+    let table = std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap();
+    let last: f64 = table.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!(last > 0.055, "{last}");
+}
+
+#[test]
+fn a_mistake_in_a_case_is_named_with_its_line() {
+    let folder = Folder::new();
+    let file = case(&folder, "hydrostatic", "0.05");
+    let wrong = std::fs::read_to_string(folder.path(&file)).unwrap().replace("alpha = 0.02", "alfa = 0.02");
+    folder.write(&file, wrong);
+    let said = folder.fails(&format!("sph run {file}"));
+    assert!(said.contains("hydrostatic.toml:15: unknown field `alfa`, expected one of"), "{said}");
+}
