@@ -203,13 +203,26 @@ impl Points {
         self.gradients = gradients;
     }
 
-    /// A column of bytes per point from one per fluid particle; images take their source's, bodies 0.
-    pub(crate) fn fill_flags(&self, column: &mut Vec<u8>, fluid: &[u8]) {
-        self.fill(column, |kind| match kind {
-            Kind::Fluid(i) => fluid[i],
-            Kind::Body(_) => 0,
-            Kind::Image(image) => fluid[self.ghosts.images[image].0 as usize],
+    /// Columns for shifting in place of the carriers: x, y, z, V, and 0 on the free surface or infinity elsewhere.
+    pub(crate) fn fill_shifting(&mut self, state: &State, mass: f64, free: &[u8]) {
+        let mut carriers = std::mem::take(&mut self.carriers);
+        let carrier = |x: [f64; 3], volume, free: bool| {
+            [x[0], x[1], x[2], volume, if free { 0.0 } else { f64::INFINITY }, 0.0, 0.0, 0.0]
+        };
+        self.fill(&mut carriers, |kind| match kind {
+            Kind::Fluid(i) => carrier(state.x[i], mass / state.density[i], free[i] != 0),
+            Kind::Body(b) => {
+                let wet = self.bodies.state[b].wet;
+                carrier(self.bodies.x[b], if wet { self.bodies.volume[b] } else { 0.0 }, false)
+            }
+            Kind::Image(image) => {
+                let (source, transform) = self.ghosts.images[image];
+                let (i, transform) = (source as usize, self.ghosts.transform(transform));
+                let density = transform.density(state.x[i], state.density[i]);
+                carrier(transform.position(state.x[i]), mass / density, free[i] != 0)
+            }
         });
+        self.carriers = carriers;
     }
 
     /// Images at the present positions, for a search of another reach.

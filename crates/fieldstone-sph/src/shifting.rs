@@ -6,16 +6,12 @@ use crate::{FluidOptions, ShiftingOptions};
 /// Where a particle is: region F of Eq. 11.
 pub(crate) const FREE: u8 = 1;
 
-/// Added to the distance squared of a neighbour, by whether it is on the free surface.
-const FAR: [f64; 2] = [f64::INFINITY, 0.0];
-
-/// Shift of each particle and the region it is in.
+/// Shift of each particle and the region it is in, from the columns of
+/// [`Points::fill_shifting`](crate::points::Points::fill_shifting).
 ///
 /// Source: `liu2022`, Eq. 10, 11.
 pub(crate) struct Shift<'a> {
     carriers: &'a [Carrier],
-    /// 1 for free-surface points.
-    flags: &'a [u8],
     ranks: &'a [u32],
     h: f64,
     /// 1/h².
@@ -34,14 +30,12 @@ impl<'a> Shift<'a> {
         fluid: &FluidOptions,
         shifting: &ShiftingOptions,
         carriers: &'a [Carrier],
-        flags: &'a [u8],
         ranks: &'a [u32],
     ) -> Self {
         let (kernel, h) = (fluid.kernel(), fluid.h());
         let mach = shifting.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed);
         Self {
             carriers,
-            flags,
             ranks,
             h,
             inverse_square: 1.0 / (h * h),
@@ -52,6 +46,33 @@ impl<'a> Shift<'a> {
             scale: -shifting.k_cfl * mach * shifting.factor * h * h,
             cap: shifting.cap * fluid.spacing,
         }
+    }
+}
+
+impl Shift<'_> {
+    /// Σ V (χ + R (W/W(Δx))ⁿ) g (x_j − x_i) of the neighbours closer than the root of `closest`, by lanes.
+    #[inline(always)]
+    fn sums<const FOUR: bool>(&self, blocks: &[[[f64; LANES]; 5]], closest: f64, base: f64) -> [[f64; LANES]; 3] {
+        let (mut tx, mut ty, mut tz) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
+        for [dx, dy, dz, squares, v] in blocks {
+            for l in 0..LANES {
+                let s = squares[l] * self.inverse_square;
+                let s = if s > TINY { s } else { TINY };
+                let p = 0.5 * (s * inverse_root(s));
+                let left = 1.0 - p;
+                let left = if left > 0.0 { left } else { 0.0 };
+                let cube = left * left * left;
+                let relative = self.relative * (1.0 + 4.0 * p) * (cube * left);
+                let square = relative * relative;
+                let power = if FOUR { square * square } else { relative.powi(self.n) };
+                let g = cube * v[l] * (base + self.r * power);
+                let g = if squares[l] < closest { g } else { 0.0 };
+                tx[l] += g * dx[l];
+                ty[l] += g * dy[l];
+                tz[l] += g * dz[l];
+            }
+        }
+        [tx, ty, tz]
     }
 }
 
@@ -69,10 +90,10 @@ impl PairSum for Shift<'_> {
     #[inline(always)]
     fn of(&self, receiver: usize, list: &[u32], scratch: &mut ShiftScratch) -> ([f64; 3], u8) {
         let rank = self.ranks[receiver] as usize;
-        if self.flags[rank] == FREE {
+        let [xi, yi, zi, _, far, ..] = self.carriers[rank];
+        if far == 0.0 {
             return ([0.0; 3], 0);
         }
-        let [xi, yi, zi, ..] = self.carriers[rank];
         scratch.blocks.resize(list.len() / LANES, [[0.0; LANES]; 5]);
         let blocks = &mut scratch.blocks[..list.len() / LANES];
         let reach = 2.0 * self.h;
@@ -80,7 +101,7 @@ impl PairSum for Shift<'_> {
         for (block, out) in list.chunks_exact(LANES).zip(blocks.iter_mut()) {
             let (mut x, mut y, mut z) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
             let mut v = [0.0f64; LANES];
-            // Far away where the neighbour is not on the free surface.
+            // Infinity where the neighbour is not on the free surface.
             let mut away = [0.0f64; LANES];
             for l in 0..LANES {
                 let j = &self.carriers[block[l] as usize];
@@ -88,7 +109,7 @@ impl PairSum for Shift<'_> {
                 y[l] = j[1];
                 z[l] = j[2];
                 v[l] = j[3];
-                away[l] = FAR[usize::from(self.flags[block[l] as usize] & 1)];
+                away[l] = j[4];
             }
             let [ox, oy, oz, os, ov] = out;
             for l in 0..LANES {
@@ -109,32 +130,11 @@ impl PairSum for Shift<'_> {
         }
         let inside = closest >= reach * reach;
         let base = if inside { 1.0 } else { 0.0 };
-        let mut total = [[0.0f64; LANES]; 3];
-        for [dx, dy, dz, squares, v] in blocks.iter() {
-            let (mut cube, mut relative) = ([0.0f64; LANES], [0.0f64; LANES]);
-            for l in 0..LANES {
-                let s = squares[l] * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let p = 0.5 * (s * inverse_root(s));
-                let left = 1.0 - p;
-                let left = if left > 0.0 { left } else { 0.0 };
-                cube[l] = left * left * left;
-                relative[l] = self.relative * (1.0 + 4.0 * p) * (cube[l] * left);
-            }
-            let mut power = relative;
-            for _ in 1..self.n {
-                for l in 0..LANES {
-                    power[l] *= relative[l];
-                }
-            }
-            for l in 0..LANES {
-                let g = cube[l] * v[l] * (base + self.r * power[l]);
-                let g = if squares[l] < closest { g } else { 0.0 };
-                total[0][l] += g * dx[l];
-                total[1][l] += g * dy[l];
-                total[2][l] += g * dz[l];
-            }
-        }
+        let total = if self.n == 4 {
+            self.sums::<true>(blocks, closest, base)
+        } else {
+            self.sums::<false>(blocks, closest, base)
+        };
         let mut shift = [0.0; 3];
         for k in 0..3 {
             let t = &total[k];

@@ -130,7 +130,6 @@ pub struct Solver {
     detection: Detection,
     detection_grid: Option<NeighbourGrid>,
     images: Vec<Image>,
-    flags: Vec<u8>,
     time: f64,
     steps: u64,
     last_step: f64,
@@ -192,7 +191,6 @@ impl Solver {
             detection: Detection::default(),
             detection_grid: None,
             images: Vec::new(),
-            flags: Vec::new(),
             time: 0.0,
             steps: 0,
             last_step: 0.0,
@@ -664,10 +662,9 @@ impl Solver {
         let mut clock = Instant::now();
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;
-        points.fill_carriers(&self.state, fluid.particle_mass());
-        points.fill_flags(&mut self.flags, &self.free);
+        points.fill_shifting(&self.state, fluid.particle_mass(), &self.free);
         self.shifts.resize(self.state.len(), ([0.0; 3], 2));
-        let shift = Shift::new(fluid, shifting, &points.carriers, &self.flags, points.grid().ranks());
+        let shift = Shift::new(fluid, shifting, &points.carriers, points.grid().ranks());
         points.fluid_list.sum(&shift, &mut self.shifts);
         let mass = fluid.particle_mass();
         for (i, (shift, region)) in self.shifts.iter().enumerate() {

@@ -42,7 +42,11 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
     }
     assert!(folder.fails(&format!("sph run {file}")).contains("go on from it with --resume"));
     folder.write(&file, short.replace("end = 0.04", "end = 0.06"));
+    folder.copy(&folder.path("column-1-2"), "copy");
     folder.succeeds(&format!("sph run {file} --resume"));
+    folder.succeeds(&format!("sph run {file} --resume --out copy --threads 2"));
+    let checkpoint = |name: &str| std::fs::read(folder.path(name).join("checkpoint.bin")).unwrap();
+    assert!(checkpoint("column-1-2") == checkpoint("copy"));
     let table = std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap();
     let last: f64 = table.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert!(last > 0.055, "{last}");
