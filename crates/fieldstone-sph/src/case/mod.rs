@@ -175,7 +175,21 @@ impl Case {
                 return Err(self.fault("gauge", nth, "name", message));
             }
         }
-        self.flow().map(|_| ())
+        self.flow()?;
+        // The lattice of the start would be torn where it meets its own image.
+        for &axis in &s.domain.periodic {
+            let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
+            let layers = length / s.spacing;
+            if (layers - layers.round()).abs() > 1e-6 * layers {
+                let message = format!(
+                    "the periodic length {length} is {layers:.3} spacings of {}; it must be a whole number of them, as {} is",
+                    s.spacing,
+                    layers.round() * s.spacing
+                );
+                return Err(self.fault("domain", 0, "high", message));
+            }
+        }
+        Ok(())
     }
 
     /// Fluid, boundaries and options, checked.

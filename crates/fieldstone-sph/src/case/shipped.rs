@@ -1,3 +1,6 @@
+use super::Case;
+use crate::SphError;
+
 /// A case that comes with the crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShippedCase {
@@ -6,6 +9,35 @@ pub struct ShippedCase {
     /// The file.
     pub text: &'static str,
 }
+
+impl ShippedCase {
+    /// The case, at another spacing if one is given.
+    ///
+    /// A slab keeps its nine layers: its width goes with the spacing.
+    ///
+    /// # Errors
+    /// As [`Case::parse`].
+    ///
+    /// ```
+    /// use fieldstone_sph::SHIPPED;
+    /// let slab = SHIPPED.iter().find(|case| case.name == "dam-break-slab").expect("a shipped case");
+    /// // 30 columns, 15 rows, 9 layers.
+    /// assert_eq!(slab.at_spacing(Some(0.04))?.state()?.len(), 30 * 15 * 9);
+    /// # Ok::<(), fieldstone_sph::SphError>(())
+    /// ```
+    pub fn at_spacing(&self, spacing: Option<f64>) -> Result<Case, SphError> {
+        let Some(spacing) = spacing else { return Case::parse(self.text, self.name) };
+        let text = self.text.lines().map(|line| match line {
+            line if line.starts_with("spacing") => format!("spacing = {spacing}\n"),
+            line => line.replace(SLAB_WIDTH, &format!("{},", SLAB_LAYERS * spacing)) + "\n",
+        });
+        Case::parse(&text.collect::<String>(), self.name)
+    }
+}
+
+/// Width of the slab in its file, and how many layers that is.
+const SLAB_WIDTH: &str = "0.18,";
+const SLAB_LAYERS: f64 = 9.0;
 
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {

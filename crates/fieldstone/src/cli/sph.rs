@@ -87,12 +87,7 @@ impl Sph {
 impl New {
     fn run(self) -> anyhow::Result<()> {
         let Some(case) = SHIPPED.iter().find(|c| c.name == self.case) else { bail!("no such case") };
-        let case = Case::parse(case.text, case.name)?;
-        let case = match self.spacing {
-            Some(spacing) => case.with_spacing(spacing)?,
-            None => case,
-        };
-        report::print(case.text())
+        report::print(case.at_spacing(self.spacing)?.text())
     }
 }
 

@@ -101,12 +101,7 @@ impl Table {
             Self::Table3 => ("obstacle", 0.5 * spacing),
         };
         let Some(shipped) = SHIPPED.iter().find(|c| c.name == name) else { bail!("no case {name}") };
-        let mut text = shipped.text.to_string();
-        if name == "dam-break-slab" {
-            // Nine layers at any spacing.
-            text = text.replace("0.18,", &format!("{},", 9.0 * spacing));
-        }
-        Case::parse(&text, name)?.with_spacing(spacing).map_err(|e| anyhow!("--spacing: {e}"))
+        shipped.at_spacing(Some(spacing)).map_err(|e| anyhow!("--spacing: {e}"))
     }
 
     /// Layers across the flow, where all are alike.
