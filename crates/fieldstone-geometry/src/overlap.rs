@@ -107,7 +107,7 @@ pub(crate) enum Placement {
 /// tangency and surfaces through corners. Computed in `f64`; where the bound of the error ([`ErrorBound`]) exceeds the
 /// promise, again in more digits ([`crate::certified_overlap`]).
 ///
-/// Cost: some 60 operations per edge inside the ball, an arc tangent per face with such an edge, and one more. No allocation.
+/// Cost: some 150 operations per edge inside the ball, an arc tangent per face with such an edge, and one more. No allocation.
 /// Many balls in one element: [`crate::OverlapBatch`] takes about a third of the time.
 ///
 /// Source: derived here; compare `strobl2016`, Eq. 2, for the same volume by decomposition.
