@@ -149,11 +149,12 @@ pub(crate) fn volume_and_path(ball: &Ball, polyhedron: &Polyhedron) -> (f64, boo
 pub fn fast_overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
     if let Some(frames) = polyhedron.frames() {
         let found = inside_volume(ball, polyhedron, frames);
-        if found.promised {
+        // Of a ball larger than the element the faces' terms are better: their rounding cancels between neighbours.
+        let of_use = found.error.is_finite() && ball.volume() <= polyhedron.volume();
+        if found.promised || of_use {
             return (found.volume, found.error);
         }
     }
-    // Balls far larger than the element: what rounding leaves of the faces then cancels between neighbours.
     volume_from_outside(ball, polyhedron)
 }
 
