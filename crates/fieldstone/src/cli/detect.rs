@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{anyhow, bail};
 use clap::Args;
 use fieldstone::io::vtk::{VtkEncoding, write_vtp_particles_with};
-use fieldstone::io::{AtomicFile, DataArray, SeriesFrame, Values, write_particles_csv};
+use fieldstone::io::{DataArray, SeriesFrame, Values, write_particles_csv};
 use fieldstone::particles::Quantity;
 use fieldstone::surface::{
     Comparison, Detection, Method, ScanningCone, SurfaceOptions, Surroundings, exposure, implausibilities, levels,
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::report;
-use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
+use super::sph_frames::{NumberedOutput, SphArguments, written};
 use super::timing::Timing;
 
 /// Free-surface particles of smoothed particle hydrodynamics
@@ -121,35 +121,8 @@ impl Detect {
     pub fn run(self) -> anyhow::Result<()> {
         let out = NumberedOutput::new("--out", &self.out);
         self.check(&out)?;
-        let mut series = self.sph.series(&out)?;
-        let (mut summaries, mut paths) = (Vec::new(), Vec::new());
-        let bar = frame_progress()?;
-        let mut begun = Instant::now();
-        for frame in series.by_ref() {
-            let frame = frame?;
-            let read = begun.elapsed().as_secs_f64();
-            bar.set_message(frame.path.display().to_string());
-            out.check_room(summaries.len())?;
-            let path = out.at(frame.index);
-            summaries.push(self.frame(&frame, &path, read)?);
-            paths.push(path);
-            bar.inc(1);
-            begun = Instant::now();
-        }
-        bar.finish_and_clear();
-        for warning in series.warnings() {
-            report::warn(warning);
-        }
-        if summaries.is_empty() {
-            bail!("--particles {}: there is no such frame; choose others with --frames", self.sph.particles);
-        }
-        if let Some(path) = &self.json {
-            let text = match summaries.as_slice() {
-                [one] if !out.is_numbered() => serde_json::to_string_pretty(one)?,
-                all => serde_json::to_string_pretty(all)?,
-            };
-            AtomicFile::write(path, |file| writeln!(file, "{text}"))?;
-        }
+        let (summaries, paths) = self.sph.each_frame(&out, |frame, path, read| self.frame(frame, path, read))?;
+        out.write_json(self.json.as_deref(), &summaries)?;
         let mut text = String::new();
         if let [one] = summaries.as_slice() {
             text += &counts(one);

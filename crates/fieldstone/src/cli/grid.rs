@@ -16,7 +16,7 @@ use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Su
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes};
 use super::report;
-use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
+use super::sph_frames::{NumberedOutput, SphArguments, written};
 
 /// Particle quantities on a regular grid, by moving least squares or conservatively
 ///
@@ -102,25 +102,7 @@ impl GridFields {
         }
         let inputs = self.sph.inputs();
         out.check(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-        let mut series = self.sph.series(&out)?;
-        let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
-        let bar = frame_progress()?;
-        for frame in series.by_ref() {
-            let frame = frame?;
-            bar.set_message(frame.path.display().to_string());
-            out.check_room(outcomes.len())?;
-            let path = out.at(frame.index);
-            outcomes.push(self.frame(&frame, &path)?);
-            paths.push(path);
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        for warning in series.warnings() {
-            report::warn(warning);
-        }
-        if outcomes.is_empty() {
-            bail!("--particles {}: there is no such frame; choose others with --frames", self.sph.particles);
-        }
+        let (outcomes, paths) = self.sph.each_frame(&out, |frame, path, _| self.frame(frame, path))?;
         let mut text = String::new();
         for outcome in &outcomes {
             text += &describe(outcome, outcomes.len() > 1);

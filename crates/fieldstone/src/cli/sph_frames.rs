@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files};
+use fieldstone::io::{AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files};
 use fieldstone::particles::{Domain, Particles};
 use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
 use super::arguments::{Periodic, list, positive};
 use super::{outputs, report};
@@ -72,7 +74,7 @@ fn wall(text: &str) -> Result<Wall, String> {
 
 impl SphArguments {
     /// The frames, read ahead on a thread of their own.
-    pub fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
+    fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
         let files = find_files(&self.particles)?;
         let range = match self.frames {
             Some(range) => range,
@@ -87,6 +89,40 @@ impl SphArguments {
         // Ellipsoids and clumps are no matter where only centres count.
         let options = ParticleOptions { allow_non_spherical: true };
         Ok(Series::new(files, options).with_range(range).in_background(1)?)
+    }
+
+    /// Works on one frame after another: what came of each, and its file.
+    ///
+    /// `work` is given the frame, the name of its output, and the seconds that reading it took.
+    pub fn each_frame<T>(
+        &self,
+        out: &NumberedOutput,
+        mut work: impl FnMut(&SeriesFrame, &Path, f64) -> anyhow::Result<T>,
+    ) -> anyhow::Result<(Vec<T>, Vec<PathBuf>)> {
+        let mut series = self.series(out)?;
+        let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
+        let style = ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}, {msg}")?;
+        let bar = ProgressBar::new_spinner().with_style(style);
+        let mut begun = Instant::now();
+        for frame in series.by_ref() {
+            let frame = frame?;
+            let read = begun.elapsed().as_secs_f64();
+            bar.set_message(frame.path.display().to_string());
+            out.check_room(outcomes.len())?;
+            let path = out.at(frame.index);
+            outcomes.push(work(&frame, &path, read)?);
+            paths.push(path);
+            bar.inc(1);
+            begun = Instant::now();
+        }
+        bar.finish_and_clear();
+        for warning in series.warnings() {
+            report::warn(warning);
+        }
+        if outcomes.is_empty() {
+            bail!("--particles {}: there is no such frame; choose others with --frames", self.particles);
+        }
+        Ok((outcomes, paths))
     }
 
     /// Files that must not be overwritten.
@@ -223,7 +259,7 @@ impl NumberedOutput {
         Self { option, path: path.into() }
     }
 
-    pub fn is_numbered(&self) -> bool {
+    fn is_numbered(&self) -> bool {
         self.name().contains("{}")
     }
 
@@ -244,8 +280,18 @@ impl NumberedOutput {
         outputs::check(self.option, &self.at(0), others)
     }
 
+    /// Writes what is known of each frame as JSON, where asked for: one object, or a list where there may be many.
+    pub fn write_json<T: Serialize>(&self, json: Option<&Path>, summaries: &[T]) -> anyhow::Result<()> {
+        let Some(path) = json else { return Ok(()) };
+        let text = match summaries {
+            [one] if !self.is_numbered() => serde_json::to_string_pretty(one)?,
+            all => serde_json::to_string_pretty(all)?,
+        };
+        Ok(AtomicFile::write(path, |file| writeln!(file, "{text}"))?)
+    }
+
     /// Refuses a second frame for one file.
-    pub fn check_room(&self, frames_before: usize) -> anyhow::Result<()> {
+    fn check_room(&self, frames_before: usize) -> anyhow::Result<()> {
         if frames_before > 0 && !self.is_numbered() {
             bail!(
                 "{} {}: there is more than one frame; give a name with {{}} for its number, or one frame with --frames",
@@ -255,12 +301,6 @@ impl NumberedOutput {
         }
         Ok(())
     }
-}
-
-/// Frames done, on standard error where that is a terminal.
-pub(crate) fn frame_progress() -> anyhow::Result<ProgressBar> {
-    let style = ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}, {msg}")?;
-    Ok(ProgressBar::new_spinner().with_style(style))
 }
 
 /// Where a result table or report mentions a frame.

@@ -7,14 +7,13 @@ use std::time::Instant;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtp_surface};
-use fieldstone::io::{AtomicFile, DataArray, SeriesFrame, write_obj, write_ply, write_stl};
+use fieldstone::io::{DataArray, SeriesFrame, write_obj, write_ply, write_stl};
 use fieldstone::surface::{Column, SurfaceError, TriangleMesh, Walls, interpolate, iso_surface};
 use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, nodes};
-use super::sph_frames::{NumberedOutput, SphArguments, frame_progress, written};
-use super::timing::Timing;
+use super::sph_frames::{NumberedOutput, SphArguments, written};
 use super::{outputs, report};
 
 /// The surface of the fluid as triangles: watertight, manifold, with normals
@@ -80,33 +79,8 @@ impl Surface {
     pub fn run(self) -> anyhow::Result<()> {
         let out = NumberedOutput::new("--out", &self.out);
         self.check(&out)?;
-        let mut series = self.sph.series(&out)?;
-        let (mut summaries, mut paths) = (Vec::new(), Vec::new());
-        let mut timing = Timing::default();
-        let bar = frame_progress()?;
-        while let Some(frame) = timing.measure("read", || series.next()) {
-            let frame = frame?;
-            bar.set_message(frame.path.display().to_string());
-            out.check_room(summaries.len())?;
-            let path = out.at(frame.index);
-            summaries.push(self.frame(&frame, &path, &mut timing)?);
-            paths.push(path);
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        for warning in series.warnings() {
-            report::warn(warning);
-        }
-        if summaries.is_empty() {
-            bail!("--particles {}: there is no such frame; choose others with --frames", self.sph.particles);
-        }
-        if let Some(path) = &self.json {
-            let text = match summaries.as_slice() {
-                [one] if !out.is_numbered() => serde_json::to_string_pretty(one)?,
-                all => serde_json::to_string_pretty(all)?,
-            };
-            AtomicFile::write(path, |file| writeln!(file, "{text}"))?;
-        }
+        let (summaries, paths) = self.sph.each_frame(&out, |frame, path, _| self.frame(frame, path))?;
+        out.write_json(self.json.as_deref(), &summaries)?;
         let mut text = match summaries.as_slice() {
             [one] => describe(one),
             all => frame_table(all),
@@ -137,18 +111,18 @@ impl Surface {
         Ok(())
     }
 
-    fn frame(&self, frame: &SeriesFrame, path: &Path, timing: &mut Timing) -> anyhow::Result<Summary> {
+    fn frame(&self, frame: &SeriesFrame, path: &Path) -> anyhow::Result<Summary> {
         let start = Instant::now();
         let file = frame.path.display().to_string();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
         let nodes = nodes(frame, &surroundings, self.cell)?;
-        let field = timing.measure("field", || self.fluid.field(frame, &surroundings, &nodes))?;
+        let field = self.fluid.field(frame, &surroundings, &nodes)?;
         let walls = match self.at_walls {
             WallsName::Closed => Walls::Closed,
             WallsName::Open => Walls::Open,
         };
-        let mesh = timing.measure("surface", || iso_surface(&field, walls));
+        let mesh = iso_surface(&field, walls);
         if mesh.triangles.is_empty() {
             report::warn(&format!("{file}: there is no surface: the spacing or --smoothing may not fit the particles"));
         }
@@ -168,7 +142,7 @@ impl Surface {
             }
         }
         let topology = mesh.topology().map_err(placed)?;
-        timing.measure("write", || write(path, &mesh, arrays, particles.time()))?;
+        write(path, &mesh, arrays, particles.time())?;
         let volumes = surroundings.volumes.clone();
         let volumes = volumes.unwrap_or_else(|| vec![surroundings.spacing.powi(3); particles.len()]);
         let fluid = |k: usize| surroundings.candidates.as_ref().is_none_or(|c| c[k]);
