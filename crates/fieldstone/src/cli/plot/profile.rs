@@ -5,7 +5,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::canvas::{Painting, tick};
-use crate::cli::reproduce::plots::COLOURS;
+use crate::cli::reproduce::plots::{COLOURS, draw_legend};
 
 /// Mean values over a coordinate.
 pub(super) struct ProfilePicture {
@@ -101,16 +101,7 @@ impl Painting for ProfilePicture {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
         }
         if self.lines.len() > 1 {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(190, 190, 190))
-                .legend_area_size(30)
-                .margin(8)
-                .label_font(("sans-serif", 18))
-                .draw()
-                .map_err(|e| failed(&e))?;
+            draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 18)?;
         }
         Ok(())
     }

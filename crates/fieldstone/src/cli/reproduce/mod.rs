@@ -1,29 +1,16 @@
 //! `fieldstone reproduce`: published figures, computed anew.
 
-mod approximations;
 mod clock;
 mod dam_break;
-mod dam_break_picture;
-mod fig10;
-mod fig11;
-mod fig12;
-mod fig9;
-mod meshes;
-mod misses;
-mod page;
+mod overlap;
 pub(crate) mod plots;
-mod samples;
-mod sec52;
+mod random;
+mod sections;
 mod surface;
 
-use std::path::PathBuf;
-use std::time::Instant;
-
-use anyhow::{anyhow, bail};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::samples::Schedule;
 use super::report;
 
 /// Compute the figures of a publication anew
@@ -35,61 +22,9 @@ pub(crate) struct Reproduce {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    Overlap(Overlap),
+    Overlap(overlap::Overlap),
     Surface(surface::SurfaceFigures),
     DamBreak(dam_break::DamBreak),
-}
-
-/// Overlap of spheres and mesh elements: Strobl, Formella and Pöschel (2016), Sec. 5
-///
-/// Leaves one table (CSV) and one picture (PNG) per figure, and index.md, which says what agrees and what is better.
-/// The tables are the same for any number of threads, times excepted.
-#[derive(Debug, Args)]
-#[command(after_long_help = "Examples:\n  \
-    fieldstone reproduce overlap validation\n  \
-    fieldstone reproduce overlap validation --only fig10,fig11 --samples 100")]
-struct Overlap {
-    /// Folder for the results; made where it is missing
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
-    /// Spheres per radius up to 1; a tenth of it up to 4, a fiftieth above
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    samples: u32,
-    /// The paper's 100,000 spheres at every radius: takes months of processor time
-    #[arg(long, conflicts_with = "samples")]
-    full: bool,
-    /// Only these figures, e.g. fig10,fig11
-    #[arg(long, value_name = "FIGURES", value_delimiter = ',', value_enum)]
-    only: Vec<Figure>,
-    /// Radii of Fig. 10 and 11 [default: 41 from 0.05 to 20, equally spaced on a logarithmic axis]
-    #[arg(long, value_name = "R,R,…", value_delimiter = ',')]
-    radii: Vec<f64>,
-}
-
-/// What can be computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Figure {
-    /// The two meshes
-    Fig9,
-    /// Error over the radius, six meshes
-    Fig10,
-    /// Error over the radius, ten angles of shear
-    Fig11,
-    /// Time per sphere over the radius
-    Fig12,
-    /// Time for 45,000 particles
-    Sec52,
-    /// Approximations as a ball crosses a cell
-    Approximations,
-}
-
-/// What every figure needs to know.
-struct Settings {
-    folder: PathBuf,
-    schedule: Schedule,
-    radii: Vec<f64>,
-    /// Whether the radii are those of the paper.
-    paper_radii: bool,
 }
 
 impl Reproduce {
@@ -99,42 +34,6 @@ impl Reproduce {
             What::Surface(surface) => surface.run(),
             What::DamBreak(dam_break) => dam_break.run(),
         }
-    }
-}
-
-impl Overlap {
-    fn run(self) -> anyhow::Result<()> {
-        if let Some(radius) = self.radii.iter().find(|r| !(1e-3..=20.0).contains(*r)) {
-            bail!("--radii: {radius} is out of range; radii from 0.001 to 20 sides of a cell are possible");
-        }
-        std::fs::create_dir_all(&self.folder)
-            .map_err(|e| anyhow!("{}: cannot make the folder: {e}; give another", self.folder.display()))?;
-        let paper_radii = self.radii.is_empty();
-        let settings = Settings {
-            folder: self.folder,
-            schedule: if self.full { Schedule::Full } else { Schedule::Thinned(self.samples) },
-            radii: if paper_radii { samples::paper_radii() } else { self.radii },
-            paper_radii,
-        };
-        let mut sections = Vec::new();
-        for &figure in Figure::value_variants() {
-            if !self.only.is_empty() && !self.only.contains(&figure) {
-                continue;
-            }
-            let start = (Instant::now(), clock::process_seconds());
-            let text = match figure {
-                Figure::Fig9 => fig9::run(&settings),
-                Figure::Fig10 => fig10::run(&settings),
-                Figure::Fig11 => fig11::run(&settings),
-                Figure::Fig12 => fig12::run(&settings),
-                Figure::Sec52 => sec52::run(&settings),
-                Figure::Approximations => approximations::run(&settings),
-            }?;
-            let took = (start.0.elapsed().as_secs_f64(), clock::process_seconds() - start.1);
-            sections.push(page::Section { text, seconds: took.0, processor_seconds: took.1 });
-        }
-        let page = page::write(&settings, &sections)?;
-        report::print(&format!("written to           {}\n", page.display()))
     }
 }
 

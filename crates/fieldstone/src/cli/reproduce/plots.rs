@@ -143,18 +143,27 @@ where
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
     }
     if let Some(position) = &plot.legend {
-        chart
-            .configure_series_labels()
-            .position(position.clone())
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(190, 190, 190))
-            .legend_area_size(30)
-            .margin(8)
-            .label_font(("sans-serif", 17))
-            .draw()
-            .map_err(|e| failed(&e))?;
+        draw_legend(&mut chart, position.clone(), 17)?;
     }
     Ok(())
+}
+
+/// The names of all series that have one.
+pub(crate) fn draw_legend<'a, B: DrawingBackend + 'a, C: CoordTranslate>(
+    chart: &mut ChartContext<'a, B, C>,
+    position: SeriesLabelPosition,
+    size: i32,
+) -> anyhow::Result<()> {
+    chart
+        .configure_series_labels()
+        .position(position)
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(190, 190, 190))
+        .legend_area_size(30)
+        .margin(8)
+        .label_font(("sans-serif", size))
+        .draw()
+        .map_err(|e| anyhow!("{e}"))
 }
 
 /// A number at an axis: powers of ten for what is far from 1 on a logarithmic axis.

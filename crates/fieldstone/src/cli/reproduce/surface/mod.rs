@@ -6,14 +6,11 @@ mod tables;
 mod times;
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
-use fieldstone::io::AtomicFile;
 
-use super::page::Section;
-use super::{clock, report};
+use super::sections::{compute, make_folder, took, write_page};
 
 /// Free-surface detection: Liu et al. (2022), Sec. 3.2, 4.1 and 4.2
 ///
@@ -68,37 +65,20 @@ impl SurfaceFigures {
         if let Some(bad) = self.spacing.iter().find(|s| !(**s > 0.0 && s.is_finite())) {
             bail!("--spacing: {bad} is no distance; give a finite number above 0");
         }
-        std::fs::create_dir_all(&self.folder)
-            .map_err(|e| anyhow!("{}: cannot make the folder: {e}; give another", self.folder.display()))?;
-        let mut sections = Vec::new();
-        for &figure in Figure::value_variants() {
-            if !self.only.is_empty() && !self.only.contains(&figure) {
-                continue;
-            }
-            let start = (Instant::now(), clock::process_seconds());
-            let text = match figure {
-                Figure::Fig6 => lattice::run(&self.folder),
-                Figure::Fig7 => perturbed::fig7(&self.folder),
-                Figure::Fig8 => perturbed::fig8(&self.folder),
-                Figure::Tables => tables::run(&self.folder, &self.frames, &self.spacing),
-                Figure::Fig13 => times::run(&self.folder, self.full),
-            }?;
-            let took = (start.0.elapsed().as_secs_f64(), clock::process_seconds() - start.1);
-            sections.push(Section { text, seconds: took.0, processor_seconds: took.1 });
-        }
-        let (seconds, processor) =
-            sections.iter().fold((0.0, 0.0), |(a, b), s| (a + s.seconds, b + s.processor_seconds));
-        let mut text = format!(
+        make_folder(&self.folder)?;
+        let sections = compute(&self.only, |figure| match figure {
+            Figure::Fig6 => lattice::run(&self.folder),
+            Figure::Fig7 => perturbed::fig7(&self.folder),
+            Figure::Fig8 => perturbed::fig8(&self.folder),
+            Figure::Tables => tables::run(&self.folder, &self.frames, &self.spacing),
+            Figure::Fig13 => times::run(&self.folder, self.full),
+        })?;
+        let (seconds, processor) = took(&sections);
+        let head = format!(
             "# Free-surface detection\n\nFigures of W.-B. Liu et al. (2022), arXiv:2205.02742, computed anew. All numbers below come \
              from one run of `fieldstone reproduce surface`; the paper's are quoted from its text. The run took {seconds:.0} s, \
              {processor:.0} s of processor time.\n\n"
         );
-        for section in &sections {
-            text += &section.text;
-            text.push('\n');
-        }
-        let path = self.folder.join("index.md");
-        AtomicFile::write(&path, |out| out.write_all(text.trim_end().as_bytes()).and_then(|()| writeln!(out)))?;
-        report::print(&format!("written to           {}\n", path.display()))
+        write_page(&self.folder, head, &sections)
     }
 }

@@ -10,6 +10,7 @@ use plotters::chart::SeriesLabelPosition;
 use super::super::clock;
 use super::super::plots::{Axis, COLOURS, Curve, Plot, draw};
 use super::super::progress;
+use crate::cli::reproduce::random::SplitMix;
 
 const METHODS: [Method; 6] =
     [Method::Exact, Method::Wang, Method::Marrone, Method::SemiGeometrical, Method::Geometrical, Method::Haque];
@@ -101,7 +102,7 @@ fn plots(curves: &[Vec<Vec<(f64, f64)>>], sides: &[usize]) -> Vec<Plot> {
 
 /// A cube of a unit lattice, each coordinate moved at random by up to `noise`; the same in every run.
 pub(super) fn block(side: usize, noise: f64) -> Vec<[f64; 3]> {
-    let mut random = super::super::samples::SplitMix::new(1);
+    let mut random = SplitMix::new(1);
     let mut positions = Vec::with_capacity(side.pow(3));
     for i in 0..side.pow(3) {
         let lattice = [i % side, i / side % side, i / (side * side)];

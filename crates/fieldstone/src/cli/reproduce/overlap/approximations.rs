@@ -8,8 +8,8 @@ use fieldstone::particles::Particles;
 use plotters::chart::SeriesLabelPosition;
 
 use super::plots::{Axis, COLOURS, Curve, Plot, draw};
-use super::samples::SplitMix;
 use super::{Settings, progress};
+use crate::cli::reproduce::random::SplitMix;
 
 /// Radius of the ball in sides of a cell: the paper's ratio of side to diameter, 1/0.6.
 const RADIUS: f64 = 0.3;

@@ -1,22 +1,11 @@
 //! The page that says what agrees and what is better.
 
-use std::path::PathBuf;
-
-use anyhow::Result;
-use fieldstone::io::AtomicFile;
-
 use super::Settings;
 use super::samples::{PAPER_SAMPLES, Schedule};
+use crate::cli::reproduce::sections::{Section, took};
 
-/// What a figure has to say, and what it took.
-pub(super) struct Section {
-    pub text: String,
-    pub seconds: f64,
-    pub processor_seconds: f64,
-}
-
-/// Writes index.md and returns its place.
-pub(super) fn write(settings: &Settings, sections: &[Section]) -> Result<PathBuf> {
+/// What stands above the figures: what was computed, with how many spheres, in what time.
+pub(super) fn head(settings: &Settings, sections: &[Section]) -> String {
     let mut text = String::from(
         "# Overlap of spheres and mesh elements\n\nThe figures of S. Strobl, A. Formella, T. Pöschel, “Exact calculation \
          of the overlap volume of spheres and mesh elements”, J. Comput. Phys. 311 (2016) 158–172, computed anew. All \
@@ -31,18 +20,12 @@ pub(super) fn write(settings: &Settings, sections: &[Section]) -> Result<PathBuf
     };
     let radii = if settings.paper_radii { "41 radii from 0.05 to 20, as in the paper" } else { "chosen radii" };
     text.push_str(&format!("* radii: {radii}\n* spheres per radius: {samples}\n"));
-    let (seconds, processor) = sections.iter().fold((0.0, 0.0), |(a, b), s| (a + s.seconds, b + s.processor_seconds));
+    let (seconds, processor) = took(sections);
     text.push_str(&format!(
         "* threads: {}; the run took {seconds:.0} s, {processor:.0} s of processor time\n\n",
         rayon::current_num_threads()
     ));
-    for section in sections {
-        text.push_str(&section.text);
-        text.push('\n');
-    }
-    let path = settings.folder.join("index.md");
-    AtomicFile::write(&path, |out| out.write_all(text.trim_end().as_bytes()).and_then(|()| writeln!(out)))?;
-    Ok(path)
+    text
 }
 
 /// A number with two digits.

@@ -1,5 +1,7 @@
 //! Tables 1–3 of the paper on free-surface detection: four methods on the flows of three dam breaks.
 
+mod picture;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,8 +12,9 @@ use fieldstone::io::AtomicFile;
 use fieldstone::sph::{Case, SHIPPED, Solver};
 use fieldstone::surface::{Comparison, Exact, Haque, Marrone, SurfaceDetection, Wang};
 
-use super::dam_break_picture::{self, Panel};
+use self::picture::Panel;
 use super::progress;
+use super::sections::make_folder;
 use crate::cli::{arguments, report};
 
 /// Free-surface detection in dam breaks: Liu et al. (2022), Tables 1 to 3
@@ -118,8 +121,7 @@ const NAMES: [&str; 3] = ["Haque", "Marrone", "Wang"];
 
 impl DamBreak {
     pub(super) fn run(self) -> anyhow::Result<()> {
-        std::fs::create_dir_all(&self.folder)
-            .map_err(|e| anyhow!("{}: cannot make the folder: {e}; give another", self.folder.display()))?;
+        make_folder(&self.folder)?;
         let mut page = String::from(
             "# Free-surface detection in dam breaks\n\nTables 1 to 3 of Liu et al. (2022), computed anew by `fieldstone \
              reproduce dam-break`: TP free-surface particles by the exact method, EP misidentified ones (misses + false \
@@ -222,5 +224,5 @@ fn draw(
     panels.push(Panel { title: format!("exact, {time} s"), labels: reference });
     // The nearest layers of a flow that does not vary across; all of the others, the nearest ones last.
     let depth = if table == Table::Table1 { solver.flow().fluid.spacing } else { f64::INFINITY };
-    dam_break_picture::draw(path, solver, depth, reference, &panels)
+    picture::draw(path, solver, depth, reference, &panels)
 }

@@ -7,7 +7,7 @@ use fieldstone::sph::Solver;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::plots::save;
+use crate::cli::reproduce::plots::save;
 
 const FREE: RGBColor = RGBColor(220, 30, 30);
 const INNER: RGBColor = RGBColor(40, 70, 200);
