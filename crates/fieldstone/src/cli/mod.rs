@@ -27,9 +27,9 @@ use clap::{Parser, Subcommand};
 
 /// Turns particles into fields, exactly.
 ///
-/// Solid fractions of meshes and grids from DEM packings, with every bit of volume accounted for, and exact
-/// overlaps of spheres with mesh elements. All lengths are in the unit of the input; particles and mesh must
-/// use the same one.
+/// Solid fractions and continuum fields from DEM packings, with volume, mass and momentum accounted for; free surfaces
+/// of SPH flows, and a solver for such flows; exact overlaps of spheres with mesh elements. All lengths are in the unit
+/// of the input; particles and mesh must use the same one.
 #[derive(Debug, Parser)]
 #[command(
     name = "fieldstone",
