@@ -96,7 +96,8 @@ pub(crate) fn draw(
         let (picture, bar) = root.split_horizontally(inner_width + 2 * MARGIN);
         let mut chart = ChartBuilder::on(&picture)
             .margin_top(MARGIN - 50)
-            .margin_right(MARGIN - 60)
+            .margin_left(14)
+            .margin_right(MARGIN - 74)
             .margin_bottom(MARGIN - 65)
             .caption(&slice.title, ("sans-serif", 26))
             .x_label_area_size(45)
