@@ -64,12 +64,8 @@ fn on_the_frames_of_solvers_exact_is_geometrical_is_the_oracle() {
         "dam_break_frame_23_24389_particles.bgeo",
     ] {
         let Some(path) = fieldstone_testing::extended(&format!("sph-frames/{name}")) else { return };
-        let positions = if name.ends_with(".bgeo") {
-            bgeo_positions(&std::fs::read(&path).unwrap())
-        } else {
-            let mut reader = open_particles(&path, &ParticleOptions::default()).unwrap();
-            reader.next_frame().unwrap().unwrap().positions().to_vec()
-        };
+        let mut reader = open_particles(&path, &ParticleOptions::default()).unwrap();
+        let positions = reader.next_frame().unwrap().unwrap().positions().to_vec();
         let spacing = typical_spacing(&positions);
         let free = assert_exact(name, &positions, spacing, 20);
         eprintln!("{name}: {} particles, spacing {spacing:.4}, {free} free", positions.len());
@@ -91,31 +87,6 @@ fn typical_spacing(positions: &[[f64; 3]]) -> f64 {
         .collect();
     nearest.sort_unstable_by(f64::total_cmp);
     1.1 * nearest[nearest.len() / 2]
-}
-
-/// Positions of a classic (binary, version 5) BGEO file: points of four big-endian floats and attributes.
-fn bgeo_positions(raw: &[u8]) -> Vec<[f64; 3]> {
-    let raw = if raw.starts_with(&[0x1f, 0x8b]) { gunzip(raw) } else { raw.to_vec() };
-    assert_eq!(&raw[..5], b"BgeoV");
-    let int = |at: usize| i32::from_be_bytes(raw[at..at + 4].try_into().unwrap());
-    let points = int(9) as usize;
-    let attributes = int(25);
-    let (mut at, mut size) = (41, 4);
-    for _ in 0..attributes {
-        let name = usize::from(u16::from_be_bytes(raw[at..at + 2].try_into().unwrap()));
-        let components = usize::from(u16::from_be_bytes(raw[at + 2 + name..at + 4 + name].try_into().unwrap()));
-        // Defaults follow, one number per component.
-        at += 2 + name + 2 + 4 + 4 * components;
-        size += components;
-    }
-    let float = |at: usize| f64::from(f32::from_be_bytes(raw[at..at + 4].try_into().unwrap()));
-    (0..points).map(|p| std::array::from_fn(|k| float(at + 4 * (p * size + k)))).collect()
-}
-
-fn gunzip(raw: &[u8]) -> Vec<u8> {
-    let mut content = Vec::new();
-    std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(raw), &mut content).unwrap();
-    content
 }
 
 #[test]

@@ -173,18 +173,21 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     let (mut apart, mut centre_inside) = (no, yes);
     let mut unresolved = zero;
     let beyond_plane = scale.like(-1.0 - 1e-9);
-    // A bit for each piece that any of the balls reaches, and for each of their edges.
-    let (mut in_reach, mut edges_in_reach) = (0u32, 0u64);
+    // A bit for each piece that any of the balls reaches, for the edges of one such piece, and for those of two.
+    let (mut in_reach, mut of_one, mut of_two) = (0u32, 0u64, 0u64);
     for (k, (face, plane)) in faces.iter_mut().zip(&frames.planes).enumerate() {
         face.distance = height(plane.offset, &plane.normal, balls);
         face.reached = face.distance.abs().less(one);
         let any = L::any(face.reached);
+        let edges = if any { plane.edges } else { 0 };
         in_reach |= u32::from(any) << k;
-        edges_in_reach |= if any { plane.edges } else { 0 };
+        of_two |= of_one & edges;
+        of_one |= edges;
         apart = apart | face.distance.less(beyond_plane);
         centre_inside = centre_inside & !face.distance.less(zero);
         unresolved = unresolved + L::select(face.distance.abs().less(balls.resolution), one, zero);
     }
+    of_one &= !of_two;
     let mut sums = InsideSums {
         volume3: zero,
         sensitivity: zero,
@@ -196,9 +199,17 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     };
     let mut angle = Turning::zero(scale);
     let mut any_edge = false;
-    while edges_in_reach != 0 {
-        let edge = &frames.edges[edges_in_reach.trailing_zeros() as usize];
-        edges_in_reach &= edges_in_reach - 1;
+    // An edge inside the ball has both of its planes in reach; any other only tells where the foot on its piece is.
+    while of_one != 0 {
+        let [first, second] = &frames.edges[of_one.trailing_zeros() as usize].sides;
+        of_one &= of_one - 1;
+        let side = if in_reach >> first.piece & 1 == 1 { first } else { second };
+        let face = &mut faces[side.piece as usize % N];
+        face.foot_inside = face.foot_inside & !height(side.offset, &side.outward, balls).less(zero);
+    }
+    while of_two != 0 {
+        let edge = &frames.edges[of_two.trailing_zeros() as usize];
+        of_two &= of_two - 1;
         any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.nearest2);
     }
     while in_reach != 0 {
@@ -276,20 +287,7 @@ fn add_edge<L: Lanes, const N: usize>(
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
     let [first, second] = &edge.sides;
     let (i, j) = (first.piece as usize % N, second.piece as usize % N);
-    let mut h = [zero; 2];
-    if L::any(faces[i].reached) {
-        h[0] = height(first.offset, &first.outward, balls);
-        // An edge inside the ball has both of its planes in reach.
-        if !L::any(faces[j].reached) {
-            faces[i].foot_inside = faces[i].foot_inside & !h[0].less(zero);
-            return false;
-        }
-    }
-    h[1] = height(second.offset, &second.outward, balls);
-    if !L::any(faces[i].reached) {
-        faces[j].foot_inside = faces[j].foot_inside & !h[1].less(zero);
-        return false;
-    }
+    let mut h = [height(first.offset, &first.outward, balls), height(second.offset, &second.outward, balls)];
     let d = faces[i].distance;
     let entered = faces[i].reached & faces[j].reached & zero.less((one - d).mul_add(one + d, -(h[0] * h[0])));
     let mut d = [d, faces[j].distance];
