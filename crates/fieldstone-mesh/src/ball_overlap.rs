@@ -29,11 +29,14 @@ const NEAR_ROUNDING: f64 = 8.0;
 
 /// Working memory of [`crate::Cells::overlap_ball`] and its siblings: one per thread.
 ///
-/// Grows to one entry per face of the mesh; nothing has to be cleared between balls.
+/// One number per face of the mesh; nothing of that size has to be cleared between balls.
 #[derive(Debug, Clone)]
 pub struct MeshScratch {
-    /// Number of the ball for which each face was evaluated last.
-    stamp: Vec<u32>,
+    /// For each face the number of the ball for which it was evaluated last, and in the lower half its place in `sums`.
+    ///
+    /// Zeros that the operating system hands out on first use: what is not near any ball of the thread costs nothing.
+    places: Vec<u64>,
+    /// Of the faces evaluated for this ball.
     sums: Vec<FaceSum>,
     ball: u32,
     candidates: Vec<u32>,
@@ -49,8 +52,8 @@ impl MeshScratch {
     pub(crate) fn new(mesh: &Mesh) -> Self {
         let faces = mesh.parts().owner.len();
         Self {
-            stamp: vec![0; faces],
-            sums: vec![FaceSum::default(); faces],
+            places: vec![0; faces],
+            sums: Vec::new(),
             ball: 0,
             candidates: Vec::new(),
             ring: Vec::new(),
@@ -68,11 +71,25 @@ impl MeshScratch {
     }
 
     fn next_ball(&mut self) {
+        self.sums.clear();
         self.ball = self.ball.wrapping_add(1);
         if self.ball == 0 {
-            self.stamp.fill(0);
+            self.places.fill(0);
             self.ball = 1;
         }
+    }
+
+    /// What was found for a face and this ball.
+    #[inline]
+    fn sum(&self, face: usize) -> Option<&FaceSum> {
+        let place = self.places[face];
+        (place >> 32 == u64::from(self.ball)).then(|| &self.sums[place as u32 as usize])
+    }
+
+    #[inline]
+    fn keep(&mut self, face: usize, sum: FaceSum) {
+        self.places[face] = u64::from(self.ball) << 32 | self.sums.len() as u64;
+        self.sums.push(sum);
     }
 }
 
@@ -115,7 +132,7 @@ impl Mesh {
             let overlap = self.cell_overlap(ball, cell, way, scratch, false)?;
             if overlap.volume > 0.0 {
                 for &face in self.cell_faces(cell as usize) {
-                    let area = scratch.sums[face as usize].area;
+                    let area = scratch.sum(face as usize).map_or(0.0, |sum| sum.area);
                     if area > 0.0 {
                         faces.push((face, r2 * area));
                     }
@@ -227,16 +244,18 @@ impl Mesh {
         let reach = (centre - low).abs().max((high - centre).abs()).length() * scale;
         let (mut bound, mut nearness) = (ErrorBound::new(reach), 0.0f64);
         for (face, sign) in self.signed_faces(at) {
-            if scratch.stamp[face] != scratch.ball {
-                scratch.sums[face] = match way {
+            let sum = if let Some(&sum) = scratch.sum(face) {
+                sum
+            } else {
+                let sum = match way {
                     Way::Inside => {
                         self.surface.sum_inside(face, centre, r, scale, &mut scratch.shifted).ok_or(NotFromInside)?
                     }
                     Way::Outside => self.surface.sum(face, centre, scale, &mut scratch.ring),
                 };
-                scratch.stamp[face] = scratch.ball;
-            }
-            let sum = &scratch.sums[face];
+                scratch.keep(face, sum);
+                sum
+            };
             volume3 += sign * sum.volume3;
             solid_angle += sign * sum.solid_angle;
             touched |= sum.area != 0.0;
