@@ -52,4 +52,7 @@ for file in solid_fraction.vtu solid_fraction.png summary.txt summary.json; do
     test -s "$samples/demo/$file"
 done
 
+step "surfaces opened by pyvista"
+.venv/bin/python tools/check_surfaces.py --with "${CARGO_TARGET_DIR:-target}/release/fieldstone" "$samples/surfaces"
+
 printf '\nall tests passed\n'
