@@ -30,7 +30,7 @@ pub(super) struct SurfaceFigures {
     /// Initial distance of the frames' particles: one for all, or one each
     #[arg(long, value_name = "DX,…", value_delimiter = ',')]
     spacing: Vec<f64>,
-    /// Up to a million particles and the mean of ten detections, as in the paper: takes most of an hour
+    /// Up to a million particles and the mean of ten detections, as in the paper (slow methods: one): some twenty minutes
     #[arg(long)]
     full: bool,
     /// Only these figures, e.g. fig6,fig7
