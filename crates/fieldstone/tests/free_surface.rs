@@ -135,6 +135,30 @@ fn a_sequence_gives_one_file_per_frame_and_a_table() {
 }
 
 #[test]
+fn frames_worked_on_together_give_the_same_files_and_the_first_bad_one_is_named() {
+    let folder = folder();
+    for number in 0..7 {
+        let source = if number % 2 == 0 { "fluid.csv" } else { "block.csv" };
+        folder.copy(&folder.path(source), &format!("part_{number}.csv"));
+    }
+    let detect = "detect --particles part_{}.csv --spacing 0.1 --out";
+    folder.succeeds(&format!("{detect} one_{{}}.vtp --threads 1"));
+    folder.succeeds(&format!("{detect} three_{{}}.vtp --threads 3"));
+    for number in 0..7 {
+        let [one, three] = ["one", "three"].map(|n| std::fs::read(folder.path(&format!("{n}_{number}.vtp"))).unwrap());
+        assert!(one == three, "frame {number}");
+    }
+    for number in [3, 5] {
+        folder.write(&format!("part_{number}.csv"), format!("x,y,z\n{number},nan,0\n"));
+    }
+    // What came before it stays: each of these files is whole.
+    let run = folder.fieldstone(&format!("{detect} bad_{{}}.vtp --threads 4"));
+    assert_eq!(run.code, Some(1));
+    mentions(&run.stderr, &["part_3.csv:2", "NaN"]);
+    assert!(folder.path("bad_2.vtp").is_file() && !folder.path("bad_3.vtp").exists());
+}
+
+#[test]
 fn the_spacing_is_estimated_and_an_implausible_one_is_warned_of() {
     let folder = folder();
     let run = folder.succeeds("detect --particles fluid.csv --out out.vtp --json out.json");

@@ -10,10 +10,14 @@ use fieldstone::io::{AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, 
 use fieldstone::particles::{Domain, Particles};
 use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::arguments::{Periodic, list, positive};
 use super::{outputs, report};
+
+/// Particles in the frames that are worked on at the same time, and then those of one more: what memory has to hold.
+const PARTICLES_TOGETHER: usize = 1_000_000;
 
 /// Particles and everything about them that files do not say.
 #[derive(Debug, Args)]
@@ -73,7 +77,7 @@ fn wall(text: &str) -> Result<Wall, String> {
 }
 
 impl SphArguments {
-    /// The frames, read ahead on a thread of their own.
+    /// The frames, read ahead on a thread of their own: as many as are worked on at the same time.
     fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
         let files = find_files(&self.particles)?;
         let range = match self.frames {
@@ -88,32 +92,60 @@ impl SphArguments {
         };
         // Ellipsoids and clumps are no matter where only centres count.
         let options = ParticleOptions { allow_non_spherical: true };
-        Ok(Series::new(files, options).with_range(range).in_background(1)?)
+        Ok(Series::new(files, options).with_range(range).in_background(rayon::current_num_threads())?)
     }
 
-    /// Works on one frame after another: what came of each, and its file.
+    /// Works on all frames: what came of each, and its file, in their order.
     ///
-    /// `work` is given the frame, the name of its output, and the seconds that reading it took.
-    pub fn each_frame<T>(
+    /// `work` is given the frame, the name of its output, and the seconds that were waited for it to be read. Small frames are
+    /// worked on together, a thread each, since many of their steps are too short to be shared out.
+    pub fn each_frame<T: Send>(
         &self,
         out: &NumberedOutput,
-        mut work: impl FnMut(&SeriesFrame, &Path, f64) -> anyhow::Result<T>,
+        work: impl Fn(&SeriesFrame, &Path, f64) -> anyhow::Result<T> + Sync,
     ) -> anyhow::Result<(Vec<T>, Vec<PathBuf>)> {
         let mut series = self.series(out)?;
         let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
         let style = ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}, {msg}")?;
         let bar = ProgressBar::new_spinner().with_style(style);
-        let mut begun = Instant::now();
-        for frame in series.by_ref() {
-            let frame = frame?;
-            let read = begun.elapsed().as_secs_f64();
-            bar.set_message(frame.path.display().to_string());
-            out.check_room(outcomes.len())?;
-            let path = out.at(frame.index);
-            outcomes.push(work(&frame, &path, read)?);
-            paths.push(path);
-            bar.inc(1);
-            begun = Instant::now();
+        loop {
+            let mut together = Vec::new();
+            let mut particles = 0;
+            let mut failure = None;
+            while together.len() < rayon::current_num_threads() && particles < PARTICLES_TOGETHER {
+                let begun = Instant::now();
+                let Some(frame) = series.next() else { break };
+                match frame.map_err(anyhow::Error::from).and_then(|f| out.check_room(paths.len()).map(|()| f)) {
+                    Ok(frame) => {
+                        let path = out.at(frame.index);
+                        particles += frame.particles.len();
+                        paths.push(path.clone());
+                        together.push((frame, path, begun.elapsed().as_secs_f64()));
+                    }
+                    Err(error) => {
+                        failure = Some(error);
+                        break;
+                    }
+                }
+            }
+            if together.is_empty() && failure.is_none() {
+                break;
+            }
+            let found: Vec<anyhow::Result<T>> = together
+                .par_iter()
+                .map(|(frame, path, read)| {
+                    bar.set_message(frame.path.display().to_string());
+                    let outcome = work(frame, path, *read);
+                    bar.inc(1);
+                    outcome
+                })
+                .collect();
+            for outcome in found {
+                outcomes.push(outcome?);
+            }
+            if let Some(error) = failure {
+                return Err(error);
+            }
         }
         bar.finish_and_clear();
         for warning in series.warnings() {
