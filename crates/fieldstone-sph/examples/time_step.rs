@@ -21,7 +21,9 @@ fn main() {
     let spacing: f64 = arguments[0].parse().unwrap();
     let end: f64 = arguments[1].parse().unwrap();
     let case = SHIPPED.iter().find(|c| c.name == "dam-break-slab").unwrap().at_spacing(Some(spacing)).unwrap();
-    println!("run, time, front, kinetic, potential, compression, residual, free surface, mean pressure, steps, evaluations, lists, seconds");
+    println!(
+        "run, time, front, kinetic, potential, compression, residual, free surface, mean pressure, steps, evaluations, lists, seconds"
+    );
     for run in &arguments[2..] {
         let parts: Vec<&str> = run.split(':').collect();
         let mut flow = case.flow().unwrap();

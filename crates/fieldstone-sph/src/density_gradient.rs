@@ -1,8 +1,8 @@
 use glam::{DMat3, DVec3};
 
 use crate::FluidOptions;
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::Carrier;
 
 /// Sum of a diagonal below which a particle counts as alone.
@@ -46,32 +46,36 @@ impl PairSum for DensityGradient<'_> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [[f64; 4]; LANES] {
         let zero = [0.0f64; LANES];
-        let (mut xi, mut yi, mut zi, mut ri) = (zero, zero, zero, zero);
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut ri = zero;
         for l in 0..LANES {
-            [xi[l], yi[l], zi[l], _, ri[l], ..] = self.carriers[members[l] as usize];
+            [at.x[l], at.y[l], at.z[l], _, ri[l], ..] = self.carriers[members[l] as usize];
         }
         let (mut xx, mut xy, mut xz, mut yy, mut yz, mut zz) = (zero, zero, zero, zero, zero, zero);
         let (mut xr, mut yr, mut zr) = (zero, zero, zero);
-        for &j in list {
-            let [x, y, z, v, r, ..] = self.carriers[j as usize];
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x - xi[l], y - yi[l], z - zi[l]);
-                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let left = 1.0 - 0.5 * (s * inverse_root(s));
-                let left = if left > 0.0 { left } else { 0.0 };
-                let g = left * left * left * v;
-                let (gx, gy, gz) = (g * dx, g * dy, g * dz);
-                let dr = r - ri[l];
-                xx[l] += gx * dx;
-                xy[l] += gx * dy;
-                xz[l] += gx * dz;
-                yy[l] += gy * dy;
-                yz[l] += gy * dz;
-                zz[l] += gz * dz;
-                xr[l] += gx * dr;
-                yr[l] += gy * dr;
-                zr[l] += gz * dr;
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, r, ..] = self.carriers[j as usize];
+                for l in 0..LANES {
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let left = (-0.5 * s).mul_add(improved(guesses[l], s), 1.0);
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let g = left * left * (left * v);
+                    let (gx, gy, gz) = (g * dx, g * dy, g * dz);
+                    let dr = r - ri[l];
+                    xx[l] = gx.mul_add(dx, xx[l]);
+                    xy[l] = gx.mul_add(dy, xy[l]);
+                    xz[l] = gx.mul_add(dz, xz[l]);
+                    yy[l] = gy.mul_add(dy, yy[l]);
+                    yz[l] = gy.mul_add(dz, yz[l]);
+                    zz[l] = gz.mul_add(dz, zz[l]);
+                    xr[l] = gx.mul_add(dr, xr[l]);
+                    yr[l] = gy.mul_add(dr, yr[l]);
+                    zr[l] = gz.mul_add(dr, zr[l]);
+                }
             }
         }
         let mut gradients = [[0.0; 4]; LANES];

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::cells::Cells;
+use crate::kernel::Receivers;
 
 /// Receivers of a cluster: the lanes of the sums.
 pub(crate) const LANES: usize = 8;
@@ -21,11 +22,11 @@ struct Chunk {
     neighbours: Vec<u32>,
 }
 
-/// For each cluster of receivers the points within a reach of the box around it, the receivers among them.
+/// For each cluster of receivers the points within a reach of any of them, themselves included.
 ///
-/// A cluster is [`LANES`] consecutive points. One list for all of them is longer than each one's own, by two thirds
-/// where they fill a small cube, but a neighbour's columns are read once for all lanes, nothing has to be brought into
-/// lanes or summed over them, and the list is found in an eighth of the time.
+/// A cluster is [`LANES`] consecutive points. One list for all of them is twice as long as each one's own, but a
+/// neighbour's columns are read once for all lanes, nothing has to be brought into lanes or summed over them, and the
+/// list is found in a fraction of the time.
 #[derive(Debug, Default)]
 pub(crate) struct NeighbourList {
     first: usize,
@@ -36,7 +37,10 @@ pub(crate) struct NeighbourList {
 /// Memory of one task.
 #[derive(Debug, Default)]
 struct Candidates {
-    squared: Vec<f64>,
+    /// Squares of distances from the box around a cluster.
+    squares: Vec<f64>,
+    /// Places, among the cells' points, of those within reach of the box.
+    places: Vec<u32>,
 }
 
 impl NeighbourList {
@@ -76,6 +80,10 @@ impl NeighbourList {
         );
     }
 }
+
+/// Neighbours per block: roots are found for a whole block before they are used, because one after the other a
+/// processor would mostly wait for them.
+pub(crate) const BLOCK: usize = 32;
 
 /// A sum over the neighbours of each receiver.
 pub(crate) trait PairSum: Sync {
@@ -140,6 +148,7 @@ impl pulp::NullaryFnOnce for Build<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { cells, receivers, reach, chunk, candidates } = self;
+        let Candidates { squares, places } = candidates;
         let Chunk { starts, neighbours } = chunk;
         let frame = cells.frame;
         let limit = reach * reach;
@@ -149,6 +158,10 @@ impl pulp::NullaryFnOnce for Build<'_> {
         starts.push(0);
         let mut len = 0;
         for members in receivers.chunks(LANES) {
+            let mut at = Receivers { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] };
+            for l in 0..LANES {
+                [at.x[l], at.y[l], at.z[l]] = members[l.min(members.len() - 1)];
+            }
             let (mut low, mut high) = (members[0], members[0]);
             for x in members {
                 for k in 0..3 {
@@ -156,6 +169,7 @@ impl pulp::NullaryFnOnce for Build<'_> {
                     high[k] = if x[k] > high[k] { x[k] } else { high[k] };
                 }
             }
+            let mut near = 0;
             let [_, y0, z0] = [0, 1, 2].map(|k| frame.slot(k, low[k] - padded));
             let [_, y1, z1] = [0, 1, 2].map(|k| frame.slot(k, high[k] + padded));
             for slot_z in z0..=z1 {
@@ -174,30 +188,45 @@ impl pulp::NullaryFnOnce for Build<'_> {
                     let to = cells.starts[row + frame.slot(0, high[0] + along) + 1] as usize;
                     let count = to - from;
                     let (xs, ys, zs) = (&cells.x[from..to], &cells.y[from..to], &cells.z[from..to]);
-                    let points = &cells.points[from..to];
-                    if candidates.squared.len() < count {
-                        candidates.squared.resize(count, 0.0);
+                    if squares.len() < count {
+                        squares.resize(count, 0.0);
                     }
-                    let squared = &mut candidates.squared[..count];
+                    let squared = &mut squares[..count];
                     for k in 0..count {
                         let dx = beyond(xs[k], low[0], high[0]);
                         let dy = beyond(ys[k], low[1], high[1]);
                         let dz = beyond(zs[k], low[2], high[2]);
                         squared[k] = dx * dx + dy * dy + dz * dz;
                     }
-                    if neighbours.len() < len + count {
-                        neighbours.resize(len + count + 1024, 0);
+                    if places.len() < near + count {
+                        places.resize(near + count + 1024, 0);
                     }
                     // Without a branch: hits and misses come in no order that a processor could predict.
-                    let room = &mut neighbours[len..len + count];
+                    let room = &mut places[near..near + count];
                     let mut found = 0;
                     for k in 0..count {
-                        room[found] = points[k];
+                        room[found] = (from + k) as u32;
                         found += usize::from(squared[k] <= limit);
                     }
-                    len += found;
+                    near += found;
                 }
             }
+            if neighbours.len() < len + near {
+                neighbours.resize(len + near + 4096, 0);
+            }
+            let room = &mut neighbours[len..len + near];
+            let mut found = 0;
+            for &place in &places[..near] {
+                let place = place as usize;
+                let (x, y, z) = (cells.x[place], cells.y[place], cells.z[place]);
+                let mut hits = 0;
+                for l in 0..LANES {
+                    hits += u64::from(at.square(l, x, y, z) <= limit);
+                }
+                room[found] = cells.points[place];
+                found += usize::from(hits > 0);
+            }
+            len += found;
             starts.push(len as u32);
         }
         neighbours.truncate(len);

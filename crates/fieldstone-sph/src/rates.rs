@@ -1,6 +1,6 @@
 use crate::FluidOptions;
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::{Carrier, Points};
 
 /// Rates of one particle.
@@ -73,14 +73,15 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [Rate; LANES] {
         let zero = [0.0f64; LANES];
-        let (mut xi, mut yi, mut zi, mut ri) = (zero, zero, zero, zero);
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut ri = zero;
         let (mut ui, mut vi, mut wi) = (zero, zero, zero);
         let (mut gxi, mut gyi, mut gzi) = (zero, zero, zero);
         // p_i + p_j over c₀² is ρ_j plus this.
         let mut own = zero;
         for l in 0..LANES {
             let i = members[l] as usize;
-            [xi[l], yi[l], zi[l], _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
+            [at.x[l], at.y[l], at.z[l], _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
             [gxi[l], gyi[l], gzi[l], _] = self.gradients[i];
             let excess = ri[l] - self.rest_density;
             let free = match self.tensile {
@@ -92,31 +93,35 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
         let (mut px, mut py, mut pz) = (zero, zero, zero);
         let (mut fx, mut fy, mut fz) = (zero, zero, zero);
         let (mut divergence, mut diffusion) = (zero, zero);
-        for &j in list {
-            let [x, y, z, v, r, uj, vj, wj] = self.carriers[j as usize];
-            let [gx, gy, gz, _] = self.gradients[j as usize];
-            let [us, vs, ws, weight] = if VISCOUS_COLUMN { self.viscous[j as usize] } else { [uj, vj, wj, 1.0] };
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x - xi[l], y - yi[l], z - zi[l]);
-                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let inverse = inverse_root(s);
-                let left = 1.0 - 0.5 * (s * inverse);
-                let left = if left > 0.0 { left } else { 0.0 };
-                let g = left * left * left * v;
-                divergence[l] += g * ((uj - ui[l]) * dx + (vj - vi[l]) * dy + (wj - wi[l]) * dz);
-                let slope = (gx + gxi[l]) * dx + (gy + gyi[l]) * dy + (gz + gzi[l]) * dz;
-                diffusion[l] += g * ((r - ri[l]) - 0.5 * slope);
-                let pressure = g * (r + own[l]);
-                px[l] += pressure * dx;
-                py[l] += pressure * dy;
-                pz[l] += pressure * dz;
-                let approach = (us - ui[l]) * dx + (vs - vi[l]) * dy + (ws - wi[l]) * dz;
-                let friction = g * approach * (inverse * inverse);
-                let friction = if VISCOUS_COLUMN { weight * friction } else { friction };
-                fx[l] += friction * dx;
-                fy[l] += friction * dy;
-                fz[l] += friction * dz;
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, r, uj, vj, wj] = self.carriers[j as usize];
+                let [gx, gy, gz, _] = self.gradients[j as usize];
+                let [us, vs, ws, weight] = if VISCOUS_COLUMN { self.viscous[j as usize] } else { [uj, vj, wj, 1.0] };
+                for l in 0..LANES {
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let inverse = improved(guesses[l], s);
+                    let left = (-0.5 * s).mul_add(inverse, 1.0);
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let g = left * left * (left * v);
+                    let along = (uj - ui[l]).mul_add(dx, (vj - vi[l]).mul_add(dy, (wj - wi[l]) * dz));
+                    divergence[l] = g.mul_add(along, divergence[l]);
+                    let slope = (gx + gxi[l]).mul_add(dx, (gy + gyi[l]).mul_add(dy, (gz + gzi[l]) * dz));
+                    diffusion[l] = g.mul_add((-0.5f64).mul_add(slope, r - ri[l]), diffusion[l]);
+                    let pressure = g * (r + own[l]);
+                    px[l] = pressure.mul_add(dx, px[l]);
+                    py[l] = pressure.mul_add(dy, py[l]);
+                    pz[l] = pressure.mul_add(dz, pz[l]);
+                    let approach = (us - ui[l]).mul_add(dx, (vs - vi[l]).mul_add(dy, (ws - wi[l]) * dz));
+                    let friction = g * approach * (inverse * inverse);
+                    let friction = if VISCOUS_COLUMN { weight * friction } else { friction };
+                    fx[l] = friction.mul_add(dx, fx[l]);
+                    fy[l] = friction.mul_add(dy, fy[l]);
+                    fz[l] = friction.mul_add(dz, fz[l]);
+                }
             }
         }
         let mut rates = [Rate::default(); LANES];

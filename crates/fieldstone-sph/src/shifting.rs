@@ -1,5 +1,5 @@
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::Carrier;
 use crate::{FluidOptions, ShiftingOptions};
 
@@ -14,7 +14,6 @@ pub(crate) const FREE: u8 = 1;
 /// Source: `liu2022`, Eq. 10, 11.
 pub(crate) struct Shift<'a, const FOUR: bool> {
     carriers: &'a [Carrier],
-    h: f64,
     /// 1/h².
     inverse_square: f64,
     slope_factor: f64,
@@ -27,16 +26,11 @@ pub(crate) struct Shift<'a, const FOUR: bool> {
 }
 
 impl<'a, const FOUR: bool> Shift<'a, FOUR> {
-    pub(crate) fn new(
-        fluid: &FluidOptions,
-        shifting: &ShiftingOptions,
-        carriers: &'a [Carrier],
-        ) -> Self {
+    pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, carriers: &'a [Carrier]) -> Self {
         let (kernel, h) = (fluid.kernel(), fluid.h());
         let mach = shifting.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed);
         Self {
             carriers,
-            h,
             inverse_square: 1.0 / (h * h),
             slope_factor: kernel.slope_factor(),
             relative: kernel.alpha() / kernel.value(fluid.spacing),
@@ -55,50 +49,53 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [([f64; 3], u8); LANES] {
         let zero = [0.0f64; LANES];
-        let (mut xi, mut yi, mut zi, mut away) = (zero, zero, zero, zero);
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut away = zero;
         for l in 0..LANES {
-            [xi[l], yi[l], zi[l], _, away[l], ..] = self.carriers[members[l] as usize];
+            [at.x[l], at.y[l], at.z[l], _, away[l], ..] = self.carriers[members[l] as usize];
         }
         let mut shifts = [([0.0; 3], 0); LANES];
         if away == zero {
             return shifts;
         }
-        let reach = 2.0 * self.h;
-        let mut closest = [reach * reach; LANES];
+        // Of the free surface; squares over h², the kernel's reach where there is none.
+        let mut closest = [4.0; LANES];
         for &j in list {
             let [x, y, z, _, away, ..] = self.carriers[j as usize];
             // Few are on the free surface.
             if away == 0.0 {
                 for l in 0..LANES {
-                    let (dx, dy, dz) = (x - xi[l], y - yi[l], z - zi[l]);
-                    let s = dx * dx + dy * dy + dz * dz;
+                    let s = at.square(l, x, y, z) * self.inverse_square;
                     closest[l] = if s < closest[l] { s } else { closest[l] };
                 }
             }
         }
         let mut base = zero;
         for l in 0..LANES {
-            base[l] = if closest[l] >= reach * reach { 1.0 } else { 0.0 };
+            base[l] = if closest[l] >= 4.0 { 1.0 } else { 0.0 };
         }
         let (mut tx, mut ty, mut tz) = (zero, zero, zero);
-        for &j in list {
-            let [x, y, z, v, ..] = self.carriers[j as usize];
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x - xi[l], y - yi[l], z - zi[l]);
-                let square = dx * dx + dy * dy + dz * dz;
-                let s = square * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let p = 0.5 * (s * inverse_root(s));
-                let left = 1.0 - p;
-                let left = if left > 0.0 { left } else { 0.0 };
-                let cube = left * left * left;
-                let relative = self.relative * (1.0 + 4.0 * p) * (cube * left);
-                let power = if FOUR { (relative * relative) * (relative * relative) } else { relative.powi(self.n) };
-                let g = cube * v * (base[l] + self.r * power);
-                let g = if square < closest[l] { g } else { 0.0 };
-                tx[l] += g * dx;
-                ty[l] += g * dy;
-                tz[l] += g * dz;
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, ..] = self.carriers[j as usize];
+                for l in 0..LANES {
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let p = (0.5 * s) * improved(guesses[l], s);
+                    let left = 1.0 - p;
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let cube = left * left * left;
+                    let relative = self.relative * p.mul_add(4.0, 1.0) * (cube * left);
+                    let power =
+                        if FOUR { (relative * relative) * (relative * relative) } else { relative.powi(self.n) };
+                    let g = cube * v * self.r.mul_add(power, base[l]);
+                    let g = if s < closest[l] { g } else { 0.0 };
+                    tx[l] = g.mul_add(dx, tx[l]);
+                    ty[l] = g.mul_add(dy, ty[l]);
+                    tz[l] = g.mul_add(dz, tz[l]);
+                }
             }
         }
         for l in 0..LANES {
