@@ -44,9 +44,8 @@ pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
             }
         })
         .collect();
-    let first = points.grid().len() - points.bodies.x.len();
     for (body, state) in state.iter().enumerate() {
-        let rank = points.grid().ranks()[first + body] as usize;
+        let rank = points.point_of_body(body);
         points.carriers[rank][3] = if state.wet { points.bodies.volume[body] } else { 0.0 };
         points.carriers[rank][4] = state.density;
         if points.needs_viscous {
@@ -76,9 +75,8 @@ pub(crate) fn interpolate_gradients(points: &mut Points, fluid: &FluidOptions) {
             if weight <= DRY { [0.0; 3] } else { sum.map(|g| g / weight) }
         })
         .collect();
-    let first = points.grid().len() - points.bodies.x.len();
     for (body, gradient) in gradients.into_iter().enumerate() {
-        let rank = points.grid().ranks()[first + body] as usize;
+        let rank = points.point_of_body(body);
         points.gradients[rank] = [gradient[0], gradient[1], gradient[2], 0.0];
         points.bodies.state[body].gradient = gradient;
     }

@@ -19,11 +19,11 @@ pub(crate) fn boundary_forces(points: &Points, fluid: &FluidOptions, bodies: usi
     let kernel = fluid.kernel();
     let friction = 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity();
     let mass = fluid.particle_mass();
-    let count = points.grid().len() - points.bodies.x.len();
+    let count = points.fluid_count();
     let per_particle: Vec<Vec<(Option<u16>, [f64; 3])>> = (0..count)
         .into_par_iter()
         .map(|i| {
-            let own = &points.carriers[points.grid().ranks()[i] as usize];
+            let own = &points.carriers[i];
             let mut forces = Vec::new();
             for &j in points.fluid_list.of(i) {
                 let j = j as usize;

@@ -5,13 +5,13 @@ use fieldstone_io::AtomicFile;
 use crate::solver::Snapshot;
 use crate::{Budget, Flow, Solver, SphError, State};
 
-const MAGIC: &[u8; 8] = b"FSTNSPH\x01";
+const MAGIC: &[u8; 8] = b"FSTNSPH\x02";
 
 /// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 1 |
+/// | 8 | `FSTNSPH`, version 2 |
 /// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
@@ -71,12 +71,13 @@ fn fingerprint(flow: &Flow) -> u32 {
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut out = Vec::new();
-    let Snapshot { state, regions, built_at, time, steps, last_step, sort_due, budget } = snapshot;
+    let Snapshot { state, regions, built_at, time, steps, last_step, lists_due, order_due, budget } = snapshot;
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
     word(built_at.len() as u64);
     word(*steps);
-    word(u64::from(*sort_due));
+    word(u64::from(*lists_due));
+    word(*order_due);
     word(budget.removed);
     word(budget.reflections);
     word(budget.singular);
@@ -117,11 +118,11 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (7u128 + 10) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (8u128 + 10) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
-    let (steps, sort_due) = (word()?, word()? != 0);
+    let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
     let mut budget = Budget { removed: word()?, reflections: word()?, singular: word()?, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
     let (time, last_step) = (number()?, number()?);
@@ -140,5 +141,5 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
     let state = State { x, u, density, id };
     let regions = regions.to_vec();
-    Some(Snapshot { state, regions, built_at, time, steps, last_step, sort_due, budget })
+    Some(Snapshot { state, regions, built_at, time, steps, last_step, lists_due, order_due, budget })
 }

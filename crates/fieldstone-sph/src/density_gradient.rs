@@ -1,8 +1,8 @@
 use glam::{DMat3, DVec3};
 
 use crate::FluidOptions;
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::Carrier;
 
 /// Sum of a diagonal below which a particle counts as alone.
@@ -22,7 +22,6 @@ const SINGULAR: f64 = 0.02;
 /// Source: `liu2022`, Eq. 6.
 pub(crate) struct DensityGradient<'a> {
     carriers: &'a [Carrier],
-    ranks: &'a [u32],
     /// 1/h².
     inverse_square: f64,
     factor: f64,
@@ -30,11 +29,10 @@ pub(crate) struct DensityGradient<'a> {
 }
 
 impl<'a> DensityGradient<'a> {
-    pub(crate) fn new(fluid: &FluidOptions, carriers: &'a [Carrier], ranks: &'a [u32]) -> Self {
+    pub(crate) fn new(fluid: &FluidOptions, carriers: &'a [Carrier]) -> Self {
         let kernel = fluid.kernel();
         Self {
             carriers,
-            ranks,
             inverse_square: 1.0 / (fluid.h() * fluid.h()),
             factor: kernel.slope_factor(),
             dimension: fluid.dimension,
@@ -43,50 +41,49 @@ impl<'a> DensityGradient<'a> {
 }
 
 impl PairSum for DensityGradient<'_> {
-    type Scratch = ();
     type Output = [f64; 4];
 
     #[inline(always)]
-    fn of(&self, receiver: usize, list: &[u32], (): &mut ()) -> [f64; 4] {
-        let [xi, yi, zi, _, ri, ..] = self.carriers[self.ranks[receiver] as usize];
-        let mut total = [[0.0f64; LANES]; 9];
-        for block in list.chunks_exact(LANES) {
-            let (mut x, mut y, mut z) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-            let (mut v, mut r) = ([0.0f64; LANES], [0.0f64; LANES]);
-            for l in 0..LANES {
-                let j = &self.carriers[block[l] as usize];
-                x[l] = j[0];
-                y[l] = j[1];
-                z[l] = j[2];
-                v[l] = j[3];
-                r[l] = j[4];
-            }
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
-                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let left = 1.0 - 0.5 * (s * inverse_root(s));
-                let left = if left > 0.0 { left } else { 0.0 };
-                let g = left * left * left * v[l];
-                let (gx, gy, gz) = (g * dx, g * dy, g * dz);
-                let dr = r[l] - ri;
-                total[0][l] += gx * dx;
-                total[1][l] += gx * dy;
-                total[2][l] += gx * dz;
-                total[3][l] += gy * dy;
-                total[4][l] += gy * dz;
-                total[5][l] += gz * dz;
-                total[6][l] += gx * dr;
-                total[7][l] += gy * dr;
-                total[8][l] += gz * dr;
+    fn of(&self, members: &[u32; LANES], list: &[u32]) -> [[f64; 4]; LANES] {
+        let zero = [0.0f64; LANES];
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut ri = zero;
+        for l in 0..LANES {
+            [at.x[l], at.y[l], at.z[l], _, ri[l], ..] = self.carriers[members[l] as usize];
+        }
+        let (mut xx, mut xy, mut xz, mut yy, mut yz, mut zz) = (zero, zero, zero, zero, zero, zero);
+        let (mut xr, mut yr, mut zr) = (zero, zero, zero);
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, r, ..] = self.carriers[j as usize];
+                for l in 0..LANES {
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let left = (-0.5 * s).mul_add(improved(guesses[l], s), 1.0);
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let g = left * left * (left * v);
+                    let (gx, gy, gz) = (g * dx, g * dy, g * dz);
+                    let dr = r - ri[l];
+                    xx[l] = gx.mul_add(dx, xx[l]);
+                    xy[l] = gx.mul_add(dy, xy[l]);
+                    xz[l] = gx.mul_add(dz, xz[l]);
+                    yy[l] = gy.mul_add(dy, yy[l]);
+                    yz[l] = gy.mul_add(dz, yz[l]);
+                    zz[l] = gz.mul_add(dz, zz[l]);
+                    xr[l] = gx.mul_add(dr, xr[l]);
+                    yr[l] = gy.mul_add(dr, yr[l]);
+                    zr[l] = gz.mul_add(dr, zr[l]);
+                }
             }
         }
-        let mut sums = [0.0; 9];
-        for k in 0..9 {
-            let t = &total[k];
-            sums[k] = self.factor * (((t[0] + t[4]) + (t[1] + t[5])) + ((t[2] + t[6]) + (t[3] + t[7])));
+        let mut gradients = [[0.0; 4]; LANES];
+        for l in 0..LANES {
+            let sums = [xx[l], xy[l], xz[l], yy[l], yz[l], zz[l], xr[l], yr[l], zr[l]];
+            gradients[l] = corrected(sums.map(|sum| self.factor * sum), self.dimension);
         }
-        corrected(sums, self.dimension)
+        gradients
     }
 }
 
@@ -143,9 +140,8 @@ mod tests {
                     carriers.push([x[0], x[1], x[2], fluid.spacing.powi(dimension as i32), density, 0.0, 0.0, 0.0]);
                 }
             }
-            let mut list: Vec<u32> = (0..carriers.len() as u32).collect();
-            list.resize(list.len().next_multiple_of(LANES), 0);
-            let [x, y, z, mark] = DensityGradient::new(&fluid, &carriers, &[0]).of(0, &list, &mut ());
+            let list: Vec<u32> = (0..carriers.len() as u32).collect();
+            let [x, y, z, mark] = DensityGradient::new(&fluid, &carriers).of(&[0; LANES], &list)[0];
             assert!((x - 3.0).abs() < 1e-9 && (y + 2.0).abs() < 1e-9, "{x} {y}");
             assert!((z - if dimension == 3 { 5.0 } else { 0.0 }).abs() < 1e-9 && mark == 0.0);
         }
@@ -160,9 +156,8 @@ mod tests {
                 let x = [0.1 * f64::from(i % 5), 0.1 * f64::from(i / 5)];
                 carriers.push([x[0], x[1], 0.0, 1e-3, 1000.0 + x[0], 0.0, 0.0, 0.0]);
             }
-            let mut list: Vec<u32> = (0..carriers.len() as u32).collect();
-            list.resize(list.len().next_multiple_of(LANES), 0);
-            let found = DensityGradient::new(&fluid, &carriers, &[0]).of(0, &list, &mut ());
+            let list: Vec<u32> = (0..carriers.len() as u32).collect();
+            let found = DensityGradient::new(&fluid, &carriers).of(&[0; LANES], &list)[0];
             assert_eq!(found, [0.0, 0.0, 0.0, 1.0]);
         }
     }

@@ -64,7 +64,8 @@ pub(crate) struct Ghosts {
     products: Vec<Vec<Option<u16>>>,
     /// Source and transform of each image.
     pub(crate) images: Vec<(u32, u16)>,
-    positions: Vec<[f64; 3]>,
+    /// Where they were made.
+    pub(crate) positions: Vec<[f64; 3]>,
 }
 
 impl Ghosts {

@@ -1,10 +1,12 @@
-//! Fluid particles, their images and the ghosts of bodies, sorted in space, with what the sums need of each.
+//! Fluid particles, the ghosts of bodies and images, in this order, with what the sums need of each.
 
-use fieldstone_particles::{Image, NeighbourGrid, NeighbourOptions};
+use fieldstone_particles::Image;
 use rayon::prelude::*;
 
+use crate::cells::Cells;
 use crate::ghosts::Ghosts;
-use crate::neighbour_list::NeighbourList;
+use crate::neighbour_list::{CELLS_PER_REACH, NeighbourList};
+use crate::spatial_order::spatial_order;
 use crate::state::State;
 use crate::{Boundaries, FluidOptions, Slip, SphError};
 
@@ -35,7 +37,7 @@ pub(crate) struct BodyState {
     pub(crate) wet: bool,
 }
 
-/// What a sorted point is.
+/// What a point is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Fluid(usize),
@@ -44,10 +46,11 @@ pub(crate) enum Kind {
     Image(usize),
 }
 
-/// The sorted points and the lists of neighbours.
+/// The points and the lists of neighbours.
 #[derive(Debug)]
 pub(crate) struct Points {
-    grid: NeighbourGrid,
+    reach: f64,
+    cells: Cells,
     pub(crate) ghosts: Ghosts,
     pub(crate) bodies: BodyGhosts,
     /// Lists of fluid particles and of the bodies' ghosts.
@@ -61,7 +64,6 @@ pub(crate) struct Points {
     pub(crate) needs_viscous: bool,
     fluid_count: usize,
     positions: Vec<[f64; 3]>,
-    images: Vec<Image>,
 }
 
 impl Points {
@@ -70,6 +72,7 @@ impl Points {
         let mut bodies = BodyGhosts::default();
         for (index, body) in boundaries.bodies.iter().enumerate() {
             let (points, volume) = body.ghosts(fluid);
+            let points: Vec<_> = spatial_order(&points).into_iter().map(|i| points[i as usize]).collect();
             bodies.volume.resize(bodies.x.len() + points.len(), volume);
             bodies.body.resize(bodies.x.len() + points.len(), index as u16);
             bodies.no_slip.resize(bodies.x.len() + points.len(), body.slip == Slip::No);
@@ -78,9 +81,9 @@ impl Points {
         let dry = BodyState { density: fluid.density, ..BodyState::default() };
         bodies.state.resize(bodies.x.len(), dry);
         let needs_viscous = !bodies.x.is_empty() || boundaries.walls.iter().any(|w| w.slip == Slip::No);
-        let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
         Ok(Self {
-            grid: NeighbourGrid::build(&[], options)?,
+            reach,
+            cells: Cells::default(),
             ghosts: Ghosts::new(boundaries, fluid.dimension, rest),
             bodies,
             fluid_list: NeighbourList::default(),
@@ -91,58 +94,53 @@ impl Points {
             needs_viscous,
             fluid_count: 0,
             positions: Vec::new(),
-            images: Vec::new(),
         })
     }
 
-    pub(crate) fn grid(&self) -> &NeighbourGrid {
-        &self.grid
+    /// Number of fluid particles, which are the first points.
+    pub(crate) fn fluid_count(&self) -> usize {
+        self.fluid_count
     }
 
-    /// Makes images anew and sorts everything; the lists follow with [`list_neighbours`](Self::list_neighbours).
-    pub(crate) fn sort(&mut self, x: &[[f64; 3]], boundaries: &Boundaries) -> Result<(), SphError> {
+    /// The point that a body's ghost is.
+    pub(crate) fn point_of_body(&self, ghost: usize) -> usize {
+        self.fluid_count + ghost
+    }
+
+    /// Makes images anew and lists the neighbours of all.
+    pub(crate) fn list_neighbours(&mut self, x: &[[f64; 3]], boundaries: &Boundaries) {
         self.fluid_count = x.len();
-        self.ghosts.rebuild(x, boundaries, self.grid.reach() * (1.0 + 1e-9));
+        self.ghosts.rebuild(x, boundaries, self.reach * (1.0 + 1e-9));
         self.positions.clear();
         self.positions.extend_from_slice(x);
         self.positions.extend_from_slice(&self.bodies.x);
-        self.images.clear();
-        let (ghosts, images) = (&self.ghosts, &mut self.images);
-        images.extend(
-            (0..ghosts.images.len()).map(|i| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, x) }),
-        );
-        self.grid.rebuild(&self.positions, &self.images)?;
-        Ok(())
+        self.positions.extend_from_slice(&self.ghosts.positions);
+        self.cells.rebuild(&self.positions, self.reach / CELLS_PER_REACH);
+        let (fluid, bodies) = (self.fluid_count, self.bodies.x.len());
+        self.fluid_list.rebuild(&self.cells, &self.positions, 0, fluid, self.reach);
+        self.body_list.rebuild(&self.cells, &self.positions, fluid, bodies, self.reach);
     }
 
-    pub(crate) fn list_neighbours(&mut self) {
-        let reach = self.grid.reach();
-        let (fluid, bodies) = self.grid.ranks().split_at(self.fluid_count);
-        self.fluid_list.rebuild(&self.grid, fluid, reach);
-        self.body_list.rebuild(&self.grid, bodies, reach);
-    }
-
-    /// Order of the fluid particles in space: `order[new] = old`.
-    pub(crate) fn spatial_order(&self) -> Vec<u32> {
-        self.grid.origins().iter().copied().filter(|&o| (o as usize) < self.fluid_count).collect()
+    /// Number of points.
+    fn len(&self) -> usize {
+        self.fluid_count + self.bodies.x.len() + self.ghosts.images.len()
     }
 
     #[inline(always)]
-    pub(crate) fn kind(&self, sorted: usize) -> Kind {
-        let origin = self.grid.origins()[sorted] as usize;
+    pub(crate) fn kind(&self, point: usize) -> Kind {
         let (fluid, bodies) = (self.fluid_count, self.bodies.x.len());
-        if origin < fluid {
-            Kind::Fluid(origin)
-        } else if origin < fluid + bodies {
-            Kind::Body(origin - fluid)
+        if point < fluid {
+            Kind::Fluid(point)
+        } else if point < fluid + bodies {
+            Kind::Body(point - fluid)
         } else {
-            Kind::Image(origin - fluid - bodies)
+            Kind::Image(point - fluid - bodies)
         }
     }
 
-    /// Fills a column, one entry per sorted point.
+    /// Fills a column, one entry per point.
     fn fill<T: Send + Default + Clone>(&self, column: &mut Vec<T>, value: impl Fn(Kind) -> T + Sync) {
-        column.resize(self.grid.point_count(), T::default());
+        column.resize(self.len(), T::default());
         column.par_chunks_mut(FILL).enumerate().for_each(|(chunk, out)| {
             for (k, out) in out.iter_mut().enumerate() {
                 *out = value(self.kind(chunk * FILL + k));
@@ -236,9 +234,8 @@ impl Points {
 
     /// Bytes of columns and lists.
     pub(crate) fn bytes(&self) -> usize {
-        let points = self.grid.point_count();
+        let points = self.len();
         let columns = 64 + 32 + if self.needs_viscous { 32 } else { 0 };
-        // The grid holds positions, sources, order and the points they came from.
-        points * (columns + 24 + 8 + 24 + 24 + 12) + self.fluid_list.bytes() + self.body_list.bytes()
+        points * (columns + 24) + self.cells.bytes() + self.fluid_list.bytes() + self.body_list.bytes()
     }
 }

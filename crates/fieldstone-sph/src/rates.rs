@@ -1,6 +1,6 @@
 use crate::FluidOptions;
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::{Carrier, Points};
 
 /// Rates of one particle.
@@ -32,7 +32,6 @@ pub(crate) struct Rates<'a, const VISCOUS_COLUMN: bool> {
     carriers: &'a [Carrier],
     gradients: &'a [[f64; 4]],
     viscous: &'a [[f64; 4]],
-    ranks: &'a [u32],
     /// Particles whose p_i changes its sign where it is negative: inside, with tensile control.
     tensile: Option<&'a [u8]>,
     /// 1/h².
@@ -55,7 +54,6 @@ impl<'a, const VISCOUS_COLUMN: bool> Rates<'a, VISCOUS_COLUMN> {
             carriers: &points.carriers,
             gradients: &points.gradients,
             viscous: &points.viscous,
-            ranks: points.grid().ranks(),
             tensile,
             inverse_square: 1.0 / (h * h),
             factor: kernel.slope_factor(),
@@ -69,99 +67,80 @@ impl<'a, const VISCOUS_COLUMN: bool> Rates<'a, VISCOUS_COLUMN> {
     }
 }
 
-#[inline(always)]
-fn total(t: &[f64; LANES]) -> f64 {
-    ((t[0] + t[4]) + (t[1] + t[5])) + ((t[2] + t[6]) + (t[3] + t[7]))
-}
-
 impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
-    type Scratch = ();
     type Output = Rate;
 
     #[inline(always)]
-    fn of(&self, receiver: usize, list: &[u32], (): &mut ()) -> Rate {
-        let rank = self.ranks[receiver] as usize;
-        let [xi, yi, zi, _, ri, ui, vi, wi] = self.carriers[rank];
-        let [gxi, gyi, gzi, _] = self.gradients[rank];
-        let excess = ri - self.rest_density;
-        let free = match self.tensile {
-            None => true,
-            Some(flags) => flags[receiver] != 0,
-        };
+    fn of(&self, members: &[u32; LANES], list: &[u32]) -> [Rate; LANES] {
+        let zero = [0.0f64; LANES];
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut ri = zero;
+        let (mut ui, mut vi, mut wi) = (zero, zero, zero);
+        let (mut gxi, mut gyi, mut gzi) = (zero, zero, zero);
         // p_i + p_j over c₀² is ρ_j plus this.
-        let own = if excess < 0.0 && !free { -excess } else { excess } - self.rest_density;
-        let (mut px, mut py, mut pz) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-        let (mut fx, mut fy, mut fz) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-        let (mut divergence, mut diffusion) = ([0.0f64; LANES], [0.0f64; LANES]);
-        for block in list.chunks_exact(LANES) {
-            let (mut x, mut y, mut z) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-            let (mut v, mut r) = ([0.0f64; LANES], [0.0f64; LANES]);
-            let (mut uj, mut vj, mut wj) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-            let (mut gx, mut gy, mut gz) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-            for l in 0..LANES {
-                let j = &self.carriers[block[l] as usize];
-                x[l] = j[0];
-                y[l] = j[1];
-                z[l] = j[2];
-                v[l] = j[3];
-                r[l] = j[4];
-                uj[l] = j[5];
-                vj[l] = j[6];
-                wj[l] = j[7];
-            }
-            for l in 0..LANES {
-                let j = &self.gradients[block[l] as usize];
-                gx[l] = j[0];
-                gy[l] = j[1];
-                gz[l] = j[2];
-            }
-            let (mut us, mut vs, mut ws) = (uj, vj, wj);
-            let mut weight = [1.0f64; LANES];
-            if VISCOUS_COLUMN {
+        let mut own = zero;
+        for l in 0..LANES {
+            let i = members[l] as usize;
+            [at.x[l], at.y[l], at.z[l], _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
+            [gxi[l], gyi[l], gzi[l], _] = self.gradients[i];
+            let excess = ri[l] - self.rest_density;
+            let free = match self.tensile {
+                None => true,
+                Some(flags) => flags[i] != 0,
+            };
+            own[l] = if excess < 0.0 && !free { -excess } else { excess } - self.rest_density;
+        }
+        let (mut px, mut py, mut pz) = (zero, zero, zero);
+        let (mut fx, mut fy, mut fz) = (zero, zero, zero);
+        let (mut divergence, mut diffusion) = (zero, zero);
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, r, uj, vj, wj] = self.carriers[j as usize];
+                let [gx, gy, gz, _] = self.gradients[j as usize];
+                let [us, vs, ws, weight] = if VISCOUS_COLUMN { self.viscous[j as usize] } else { [uj, vj, wj, 1.0] };
                 for l in 0..LANES {
-                    let j = &self.viscous[block[l] as usize];
-                    us[l] = j[0];
-                    vs[l] = j[1];
-                    ws[l] = j[2];
-                    weight[l] = j[3];
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let inverse = improved(guesses[l], s);
+                    let left = (-0.5 * s).mul_add(inverse, 1.0);
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let g = left * left * (left * v);
+                    let along = (uj - ui[l]).mul_add(dx, (vj - vi[l]).mul_add(dy, (wj - wi[l]) * dz));
+                    divergence[l] = g.mul_add(along, divergence[l]);
+                    let slope = (gx + gxi[l]).mul_add(dx, (gy + gyi[l]).mul_add(dy, (gz + gzi[l]) * dz));
+                    diffusion[l] = g.mul_add((-0.5f64).mul_add(slope, r - ri[l]), diffusion[l]);
+                    let pressure = g * (r + own[l]);
+                    px[l] = pressure.mul_add(dx, px[l]);
+                    py[l] = pressure.mul_add(dy, py[l]);
+                    pz[l] = pressure.mul_add(dz, pz[l]);
+                    let approach = (us - ui[l]).mul_add(dx, (vs - vi[l]).mul_add(dy, (ws - wi[l]) * dz));
+                    let friction = g * approach * (inverse * inverse);
+                    let friction = if VISCOUS_COLUMN { weight * friction } else { friction };
+                    fx[l] = friction.mul_add(dx, fx[l]);
+                    fy[l] = friction.mul_add(dy, fy[l]);
+                    fz[l] = friction.mul_add(dz, fz[l]);
                 }
             }
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
-                let s = (dx * dx + dy * dy + dz * dz) * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let inverse = inverse_root(s);
-                let left = 1.0 - 0.5 * (s * inverse);
-                let left = if left > 0.0 { left } else { 0.0 };
-                let g = left * left * left * v[l];
-                divergence[l] += g * ((uj[l] - ui) * dx + (vj[l] - vi) * dy + (wj[l] - wi) * dz);
-                let slope = (gx[l] + gxi) * dx + (gy[l] + gyi) * dy + (gz[l] + gzi) * dz;
-                diffusion[l] += g * ((r[l] - ri) - 0.5 * slope);
-                let pressure = g * (r[l] + own);
-                px[l] += pressure * dx;
-                py[l] += pressure * dy;
-                pz[l] += pressure * dz;
-                let approach = (us[l] - ui) * dx + (vs[l] - vi) * dy + (ws[l] - wi) * dz;
-                let friction = g * approach * (inverse * inverse);
-                let friction = if VISCOUS_COLUMN { weight[l] * friction } else { friction };
-                fx[l] += friction * dx;
-                fy[l] += friction * dy;
-                fz[l] += friction * dz;
-            }
         }
-        let pressure = -self.factor * self.stiffness / ri;
-        let friction = self.factor * self.friction * self.inverse_square / ri;
-        let (px, py, pz) = (pressure * total(&px), pressure * total(&py), pressure * total(&pz));
-        let (fx, fy, fz) = (friction * total(&fx), friction * total(&fy), friction * total(&fz));
-        let divergence = -ri * self.factor * total(&divergence);
-        let diffusion = self.diffusion * self.factor * total(&diffusion);
-        let compression = self.mass * self.stiffness * excess / (ri * ri);
-        Rate {
-            acceleration: [(px + fx) + self.gravity[0], (py + fy) + self.gravity[1], (pz + fz) + self.gravity[2]],
-            density: divergence + diffusion,
-            viscous_power: self.mass * (fx * ui + fy * vi + fz * wi),
-            diffusive_power: compression * diffusion,
-            boundary_power: self.mass * (px * ui + py * vi + pz * wi) + compression * divergence,
+        let mut rates = [Rate::default(); LANES];
+        for l in 0..LANES {
+            let pressure = -self.factor * self.stiffness / ri[l];
+            let friction = self.factor * self.friction * self.inverse_square / ri[l];
+            let (px, py, pz) = (pressure * px[l], pressure * py[l], pressure * pz[l]);
+            let (fx, fy, fz) = (friction * fx[l], friction * fy[l], friction * fz[l]);
+            let divergence = -ri[l] * self.factor * divergence[l];
+            let diffusion = self.diffusion * self.factor * diffusion[l];
+            let compression = self.mass * self.stiffness * (ri[l] - self.rest_density) / (ri[l] * ri[l]);
+            rates[l] = Rate {
+                acceleration: [(px + fx) + self.gravity[0], (py + fy) + self.gravity[1], (pz + fz) + self.gravity[2]],
+                density: divergence + diffusion,
+                viscous_power: self.mass * (fx * ui[l] + fy * vi[l] + fz * wi[l]),
+                diffusive_power: compression * diffusion,
+                boundary_power: self.mass * (px * ui[l] + py * vi[l] + pz * wi[l]) + compression * divergence,
+            };
         }
+        rates
     }
 }

@@ -1,5 +1,5 @@
-use crate::kernel::{TINY, inverse_root};
-use crate::neighbour_list::{LANES, PairSum};
+use crate::kernel::{Distances, Receivers, improved};
+use crate::neighbour_list::{BLOCK, LANES, PairSum};
 use crate::points::Carrier;
 use crate::{FluidOptions, ShiftingOptions};
 
@@ -9,11 +9,11 @@ pub(crate) const FREE: u8 = 1;
 /// Shift of each particle and the region it is in, from the columns of
 /// [`Points::fill_shifting`](crate::points::Points::fill_shifting).
 ///
+/// `FOUR` tells that n is 4, for which a power is two products.
+///
 /// Source: `liu2022`, Eq. 10, 11.
-pub(crate) struct Shift<'a> {
+pub(crate) struct Shift<'a, const FOUR: bool> {
     carriers: &'a [Carrier],
-    ranks: &'a [u32],
-    h: f64,
     /// 1/h².
     inverse_square: f64,
     slope_factor: f64,
@@ -25,19 +25,12 @@ pub(crate) struct Shift<'a> {
     cap: f64,
 }
 
-impl<'a> Shift<'a> {
-    pub(crate) fn new(
-        fluid: &FluidOptions,
-        shifting: &ShiftingOptions,
-        carriers: &'a [Carrier],
-        ranks: &'a [u32],
-    ) -> Self {
+impl<'a, const FOUR: bool> Shift<'a, FOUR> {
+    pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, carriers: &'a [Carrier]) -> Self {
         let (kernel, h) = (fluid.kernel(), fluid.h());
         let mach = shifting.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed);
         Self {
             carriers,
-            ranks,
-            h,
             inverse_square: 1.0 / (h * h),
             slope_factor: kernel.slope_factor(),
             relative: kernel.alpha() / kernel.value(fluid.spacing),
@@ -49,104 +42,75 @@ impl<'a> Shift<'a> {
     }
 }
 
-impl Shift<'_> {
-    /// Σ V (χ + R (W/W(Δx))ⁿ) g (x_j − x_i) of the neighbours closer than the root of `closest`, by lanes.
-    #[inline(always)]
-    fn sums<const FOUR: bool>(&self, blocks: &[[[f64; LANES]; 5]], closest: f64, base: f64) -> [[f64; LANES]; 3] {
-        let (mut tx, mut ty, mut tz) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-        for [dx, dy, dz, squares, v] in blocks {
-            for l in 0..LANES {
-                let s = squares[l] * self.inverse_square;
-                let s = if s > TINY { s } else { TINY };
-                let p = 0.5 * (s * inverse_root(s));
-                let left = 1.0 - p;
-                let left = if left > 0.0 { left } else { 0.0 };
-                let cube = left * left * left;
-                let relative = self.relative * (1.0 + 4.0 * p) * (cube * left);
-                let square = relative * relative;
-                let power = if FOUR { square * square } else { relative.powi(self.n) };
-                let g = cube * v[l] * (base + self.r * power);
-                let g = if squares[l] < closest { g } else { 0.0 };
-                tx[l] += g * dx[l];
-                ty[l] += g * dy[l];
-                tz[l] += g * dz[l];
-            }
-        }
-        [tx, ty, tz]
-    }
-}
-
-/// Displacements to one particle's neighbours, distances squared, volumes.
-#[derive(Debug, Default)]
-pub(crate) struct ShiftScratch {
-    blocks: Vec<[[f64; LANES]; 5]>,
-}
-
-impl PairSum for Shift<'_> {
-    type Scratch = ShiftScratch;
+impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
     /// Shift, and 0 on the free surface, 1 near it, 2 inside.
     type Output = ([f64; 3], u8);
 
     #[inline(always)]
-    fn of(&self, receiver: usize, list: &[u32], scratch: &mut ShiftScratch) -> ([f64; 3], u8) {
-        let rank = self.ranks[receiver] as usize;
-        let [xi, yi, zi, _, far, ..] = self.carriers[rank];
-        if far == 0.0 {
-            return ([0.0; 3], 0);
+    fn of(&self, members: &[u32; LANES], list: &[u32]) -> [([f64; 3], u8); LANES] {
+        let zero = [0.0f64; LANES];
+        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let mut away = zero;
+        for l in 0..LANES {
+            [at.x[l], at.y[l], at.z[l], _, away[l], ..] = self.carriers[members[l] as usize];
         }
-        scratch.blocks.resize(list.len() / LANES, [[0.0; LANES]; 5]);
-        let blocks = &mut scratch.blocks[..list.len() / LANES];
-        let reach = 2.0 * self.h;
-        let mut nearest = [reach * reach; LANES];
-        for (block, out) in list.chunks_exact(LANES).zip(blocks.iter_mut()) {
-            let (mut x, mut y, mut z) = ([0.0f64; LANES], [0.0f64; LANES], [0.0f64; LANES]);
-            let mut v = [0.0f64; LANES];
-            // Infinity where the neighbour is not on the free surface.
-            let mut away = [0.0f64; LANES];
-            for l in 0..LANES {
-                let j = &self.carriers[block[l] as usize];
-                x[l] = j[0];
-                y[l] = j[1];
-                z[l] = j[2];
-                v[l] = j[3];
-                away[l] = j[4];
-            }
-            let [ox, oy, oz, os, ov] = out;
-            for l in 0..LANES {
-                let (dx, dy, dz) = (x[l] - xi, y[l] - yi, z[l] - zi);
-                let s = dx * dx + dy * dy + dz * dz;
-                ox[l] = dx;
-                oy[l] = dy;
-                oz[l] = dz;
-                os[l] = s;
-                ov[l] = v[l];
-                let s = s + away[l];
-                nearest[l] = if s < nearest[l] { s } else { nearest[l] };
+        let mut shifts = [([0.0; 3], 0); LANES];
+        if away == zero {
+            return shifts;
+        }
+        // Of the free surface; squares over h², the kernel's reach where there is none.
+        let mut closest = [4.0; LANES];
+        for &j in list {
+            let [x, y, z, _, away, ..] = self.carriers[j as usize];
+            // Few are on the free surface.
+            if away == 0.0 {
+                for l in 0..LANES {
+                    let s = at.square(l, x, y, z) * self.inverse_square;
+                    closest[l] = if s < closest[l] { s } else { closest[l] };
+                }
             }
         }
-        let mut closest = nearest[0];
-        for s in nearest {
-            closest = if s < closest { s } else { closest };
+        let mut base = zero;
+        for l in 0..LANES {
+            base[l] = if closest[l] >= 4.0 { 1.0 } else { 0.0 };
         }
-        let inside = closest >= reach * reach;
-        let base = if inside { 1.0 } else { 0.0 };
-        let total = if self.n == 4 {
-            self.sums::<true>(blocks, closest, base)
-        } else {
-            self.sums::<false>(blocks, closest, base)
-        };
-        let mut shift = [0.0; 3];
-        for k in 0..3 {
-            let t = &total[k];
-            let sum = ((t[0] + t[4]) + (t[1] + t[5])) + ((t[2] + t[6]) + (t[3] + t[7]));
-            shift[k] = self.scale * self.slope_factor * sum;
-        }
-        let length = (shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]).sqrt();
-        if length > self.cap {
-            for s in &mut shift {
-                *s *= self.cap / length;
+        let (mut tx, mut ty, mut tz) = (zero, zero, zero);
+        let mut distances = Distances::ZERO;
+        for block in list.chunks(BLOCK) {
+            distances.find(&at, self.carriers, block, self.inverse_square);
+            for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
+                let [x, y, z, v, ..] = self.carriers[j as usize];
+                for l in 0..LANES {
+                    let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
+                    let s = squares[l];
+                    let p = (0.5 * s) * improved(guesses[l], s);
+                    let left = 1.0 - p;
+                    let left = if left > 0.0 { left } else { 0.0 };
+                    let cube = left * left * left;
+                    let relative = self.relative * p.mul_add(4.0, 1.0) * (cube * left);
+                    let power =
+                        if FOUR { (relative * relative) * (relative * relative) } else { relative.powi(self.n) };
+                    let g = cube * v * self.r.mul_add(power, base[l]);
+                    let g = if s < closest[l] { g } else { 0.0 };
+                    tx[l] = g.mul_add(dx, tx[l]);
+                    ty[l] = g.mul_add(dy, ty[l]);
+                    tz[l] = g.mul_add(dz, tz[l]);
+                }
             }
         }
-        (shift, if inside { 2 } else { 1 })
+        for l in 0..LANES {
+            if away[l] == 0.0 {
+                continue;
+            }
+            let mut shift = [tx[l], ty[l], tz[l]].map(|t| self.scale * self.slope_factor * t);
+            let length = (shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]).sqrt();
+            if length > self.cap {
+                for s in &mut shift {
+                    *s *= self.cap / length;
+                }
+            }
+            shifts[l] = (shift, if base[l] > 0.0 { 2 } else { 1 });
+        }
+        shifts
     }
 }

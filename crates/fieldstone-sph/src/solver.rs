@@ -7,13 +7,18 @@ use rayon::prelude::*;
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
 use crate::error::check;
 use crate::ghosts::Ghosts;
+use crate::neighbour_count::NeighbourCount;
 use crate::phases::{Phase, Phases};
 use crate::rates::Rate;
 use crate::shifting::{FREE, Shift};
+use crate::spatial_order::spatial_order;
 use crate::stage::Stage;
 use crate::{
     Boundaries, Budget, Energies, FluidOptions, Integrator, ShiftingOptions, SphError, State, TimeStepOptions,
 };
+
+/// Steps for which particles keep their order: neighbours in space part slowly.
+const ORDER_LASTS: u64 = 20;
 
 /// Everything that a flow is, but for its state.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,8 +138,10 @@ pub struct Solver {
     time: f64,
     steps: u64,
     last_step: f64,
-    /// Whether the particles are to be sorted and listed anew at the start of the next step.
-    sort_due: bool,
+    /// Whether neighbours are to be listed anew at the start of the next step.
+    lists_due: bool,
+    /// Step from which on the particles are put in order when neighbours are listed.
+    order_due: u64,
     budget: Budget,
 }
 
@@ -147,7 +154,8 @@ pub(crate) struct Snapshot {
     pub(crate) time: f64,
     pub(crate) steps: u64,
     pub(crate) last_step: f64,
-    pub(crate) sort_due: bool,
+    pub(crate) lists_due: bool,
+    pub(crate) order_due: u64,
     pub(crate) budget: Budget,
 }
 
@@ -194,7 +202,8 @@ impl Solver {
             time: 0.0,
             steps: 0,
             last_step: 0.0,
-            sort_due: true,
+            lists_due: true,
+            order_due: 0,
             budget: Budget::default(),
             flow,
             state,
@@ -208,10 +217,11 @@ impl Solver {
         solver.time = snapshot.time;
         solver.steps = snapshot.steps;
         solver.last_step = snapshot.last_step;
-        solver.sort_due = snapshot.sort_due;
+        solver.lists_due = snapshot.lists_due;
+        solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
-        if !snapshot.sort_due {
-            solver.stage.build(&snapshot.built_at, &solver.flow)?;
+        if !snapshot.lists_due {
+            solver.stage.build(&snapshot.built_at, &solver.flow);
         }
         Ok(solver)
     }
@@ -220,11 +230,12 @@ impl Solver {
         Snapshot {
             state: self.state.clone(),
             regions: self.regions.clone(),
-            built_at: if self.sort_due { Vec::new() } else { self.stage.built_at.clone() },
+            built_at: if self.lists_due { Vec::new() } else { self.stage.built_at.clone() },
             time: self.time,
             steps: self.steps,
             last_step: self.last_step,
-            sort_due: self.sort_due,
+            lists_due: self.lists_due,
+            order_due: self.order_due,
             budget: self.budget,
         }
     }
@@ -327,13 +338,17 @@ impl Solver {
         (positions, candidates, volumes)
     }
 
-    /// Mean number of points within the kernel's reach and the lists' margin, the particle itself left out.
+    /// Mean number of points within the kernel's reach, the particle itself left out.
     ///
     /// # Errors
     /// As [`step`](Self::step).
     pub fn mean_neighbours(&mut self) -> Result<f64, SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
-        Ok(self.stage.points.fluid_list.entries() as f64 / self.state.len().max(1) as f64 - 1.0)
+        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        let points = &self.stage.points;
+        let mut counts = vec![0u32; self.state.len()];
+        points.fluid_list.sum(&NeighbourCount::new(self.flow.fluid.kernel().reach(), &points.carriers), &mut counts);
+        let total: u64 = counts.iter().map(|&c| u64::from(c)).sum();
+        Ok(total as f64 / self.state.len().max(1) as f64 - 1.0)
     }
 
     /// Bytes that the solver holds.
@@ -348,7 +363,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.state, &self.flow, &self.free);
         Ok(self.stage.rates.iter().map(|r| r.acceleration).collect())
     }
 
@@ -357,7 +372,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn boundary_forces(&mut self) -> Result<BoundaryForces, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.state, &self.flow, &self.free);
         Ok(boundary_forces(&self.stage.points, &self.flow.fluid, self.flow.boundaries.bodies.len()))
     }
 
@@ -366,7 +381,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.state, &self.flow, &self.free);
         Ok(self.step_length())
     }
 
@@ -385,11 +400,11 @@ impl Solver {
     /// [`SphError::Broken`] where a number is not one any more, [`SphError::Lost`] where a particle leaves the domain
     /// without an opening; the detection's errors. The state then is that of the failure, for a look.
     pub fn step(&mut self) -> Result<f64, SphError> {
-        if self.sort_due {
-            self.sort()?;
+        if self.lists_due {
+            self.list_anew();
         }
         let before = self.stage.displacement(&self.state.x);
-        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.state, &self.flow, &self.free);
         let mut clock = Instant::now();
         let dt = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
@@ -413,14 +428,14 @@ impl Solver {
         }
         clock = Instant::now();
         let after = self.stage.displacement(&self.state.x);
-        self.sort_due = removed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
+        self.lists_due = removed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
         self.stage.phases.steps += 1;
         self.stage.phases.add(Phase::Rest, &mut clock);
         Ok(dt)
     }
 
-    /// Wraps periodic positions, sorts the particles in space and lists neighbours anew.
-    fn sort(&mut self) -> Result<(), SphError> {
+    /// Wraps periodic positions, puts the particles in order where that is due, and lists neighbours.
+    fn list_anew(&mut self) {
         let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
         for axis in (0..3).filter(|&k| periodic[k]) {
             let length = high[axis] - low[axis];
@@ -432,12 +447,16 @@ impl Solver {
                 }
             }
         }
-        let order = self.stage.build_sorted(&mut self.state, &self.flow)?;
-        self.regions = crate::state::picked(&self.regions, &order);
-        self.free = crate::state::picked(&self.free, &order);
-        self.forget_witnesses();
-        self.sort_due = false;
-        Ok(())
+        if self.steps >= self.order_due {
+            let order = spatial_order(&self.state.x);
+            self.state.reorder(&order);
+            self.regions = crate::state::picked(&self.regions, &order);
+            self.free = crate::state::picked(&self.free, &order);
+            self.forget_witnesses();
+            self.order_due = self.steps + ORDER_LASTS;
+        }
+        self.stage.build(&self.state.x, &self.flow);
+        self.lists_due = false;
     }
 
     fn forget_witnesses(&mut self) {
@@ -465,7 +484,7 @@ impl Solver {
         self.fit_middle();
         self.predict(0.5 * dt);
         self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.middle, &self.flow, &self.free);
         clock = Instant::now();
         self.book(dt);
         let (state, rates) = (&mut self.state, &self.stage.rates);
@@ -499,7 +518,7 @@ impl Solver {
             };
             self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
             self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
+            self.stage.evaluate(&self.middle, &self.flow, &self.free);
             clock = Instant::now();
             self.book(weight * dt / 6.0);
             let latest = self.stage.rates.par_iter().zip(&self.middle.u);
@@ -620,12 +639,13 @@ impl Solver {
         self.free = crate::state::picked(&self.free, &kept);
         self.stage.built_at.clear();
         self.forget_witnesses();
+        self.order_due = self.steps;
         true
     }
 
     /// Labels the free surface of the present state.
     fn detect(&mut self) -> Result<(), SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+        self.stage.ensure_lists(&self.state.x, &self.flow);
         let mut clock = Instant::now();
         let (positions, candidates, volumes) = self.surroundings();
         let Some(detector) = &mut self.detector else { return Ok(()) };
@@ -658,14 +678,17 @@ impl Solver {
 
     fn shift(&mut self) -> Result<(), SphError> {
         let Some(shifting) = &self.flow.shifting else { return Ok(()) };
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+        self.stage.ensure_lists(&self.state.x, &self.flow);
         let mut clock = Instant::now();
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;
         points.fill_shifting(&self.state, fluid.particle_mass(), &self.free);
         self.shifts.resize(self.state.len(), ([0.0; 3], 2));
-        let shift = Shift::new(fluid, shifting, &points.carriers, points.grid().ranks());
-        points.fluid_list.sum(&shift, &mut self.shifts);
+        if shifting.n == 4 {
+            points.fluid_list.sum(&Shift::<true>::new(fluid, shifting, &points.carriers), &mut self.shifts);
+        } else {
+            points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, &points.carriers), &mut self.shifts);
+        }
         let mass = fluid.particle_mass();
         for (i, (shift, region)) in self.shifts.iter().enumerate() {
             for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(fluid.gravity) {

@@ -44,31 +44,13 @@ impl Stage {
     }
 
     /// Builds the lists for positions.
-    pub(crate) fn build(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
+    pub(crate) fn build(&mut self, x: &[[f64; 3]], flow: &Flow) {
         let mut clock = Instant::now();
-        self.points.sort(x, &flow.boundaries)?;
-        self.finish_build(x, &mut clock);
-        Ok(())
-    }
-
-    /// As [`build`](Self::build), after putting the particles into the order in which they lie in space; returns it.
-    pub(crate) fn build_sorted(&mut self, state: &mut State, flow: &Flow) -> Result<Vec<u32>, SphError> {
-        let mut clock = Instant::now();
-        self.points.sort(&state.x, &flow.boundaries)?;
-        let order = self.points.spatial_order();
-        state.reorder(&order);
-        // Again, for indices in the new order; the points' own order stays.
-        self.points.sort(&state.x, &flow.boundaries)?;
-        self.finish_build(&state.x, &mut clock);
-        Ok(order)
-    }
-
-    fn finish_build(&mut self, x: &[[f64; 3]], clock: &mut Instant) {
-        self.points.list_neighbours();
+        self.points.list_neighbours(x, &flow.boundaries);
         self.built_at.clear();
         self.built_at.extend_from_slice(x);
         self.phases.lists_built += 1;
-        self.phases.add(Phase::Neighbours, clock);
+        self.phases.add(Phase::Neighbours, &mut clock);
     }
 
     /// Largest distance of a particle from where the lists were built.
@@ -84,14 +66,16 @@ impl Stage {
     }
 
     /// Builds the lists where a particle may have moved out of them.
-    pub(crate) fn ensure_lists(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
-        // A position that is not a number moves no maximum; the grid or the check after the step names it.
-        if 2.0 * self.displacement(x) > self.skin { self.build(x, flow) } else { Ok(()) }
+    pub(crate) fn ensure_lists(&mut self, x: &[[f64; 3]], flow: &Flow) {
+        // A position that is not a number moves no maximum; the check after the step names it.
+        if 2.0 * self.displacement(x) > self.skin {
+            self.build(x, flow);
+        }
     }
 
     /// Rates of a state; `free` marks the free surface for tensile control.
-    pub(crate) fn evaluate(&mut self, state: &State, flow: &Flow, free: &[u8]) -> Result<(), SphError> {
-        self.ensure_lists(&state.x, flow)?;
+    pub(crate) fn evaluate(&mut self, state: &State, flow: &Flow, free: &[u8]) {
+        self.ensure_lists(&state.x, flow);
         let mut clock = Instant::now();
         let fluid = &flow.fluid;
         self.points.fill_carriers(state, fluid.particle_mass());
@@ -100,7 +84,7 @@ impl Stage {
 
         let points = &self.points;
         self.gradients.resize(state.len(), [0.0; 4]);
-        let gradient = DensityGradient::new(fluid, &points.carriers, points.grid().ranks());
+        let gradient = DensityGradient::new(fluid, &points.carriers);
         points.fluid_list.sum(&gradient, &mut self.gradients);
         self.phases.add(Phase::Gradient, &mut clock);
         self.points.fill_gradients(&self.gradients);
@@ -120,6 +104,5 @@ impl Stage {
             self.tension_power = self.tension.add(fluid, points, &mut self.rates);
         }
         self.phases.add(Phase::Rates, &mut clock);
-        Ok(())
     }
 }

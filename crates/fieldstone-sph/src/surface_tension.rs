@@ -39,7 +39,7 @@ impl SurfaceTension {
                 if delta == 0.0 {
                     return 0.0;
                 }
-                let own = &points.carriers[points.grid().ranks()[i] as usize];
+                let own = &points.carriers[i];
                 let size = -fluid.surface_tension * curvature(fluid, points, normals, i) * 2.0 * delta / own[4];
                 let mut power = 0.0;
                 for (k, n) in [nx, ny, nz].into_iter().enumerate() {
@@ -98,7 +98,7 @@ fn curvature(fluid: &FluidOptions, points: &Points, normals: &[[f64; 4]], i: usi
 /// Neighbours of a fluid particle: index, x_j − x_i, and V_j g with ∇ᵢW = g (x_j − x_i).
 fn for_each_neighbour(fluid: &FluidOptions, points: &Points, i: usize, mut visit: impl FnMut(usize, DVec3, f64)) {
     let kernel = fluid.kernel();
-    let own = &points.carriers[points.grid().ranks()[i] as usize];
+    let own = &points.carriers[i];
     for &j in points.fluid_list.of(i) {
         let other = &points.carriers[j as usize];
         let d = DVec3::new(other[0] - own[0], other[1] - own[1], other[2] - own[2]);
