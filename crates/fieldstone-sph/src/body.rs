@@ -1,4 +1,4 @@
-use crate::{FluidOptions, Slip, SphError};
+use crate::{FluidOptions, Motion, Pose, Slip, SphError};
 
 /// A solid shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,20 +99,38 @@ impl Shape {
     }
 }
 
-/// A solid body at rest: fixed ghost particles whose pressure is interpolated from the fluid.
+/// A solid body, at rest or in a prescribed motion: ghost particles whose pressure is interpolated from the fluid.
 ///
 /// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
 /// beyond by the kernel's radius 2h.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Its shape.
+    /// Its shape, where it is without a displacement.
     pub shape: Shape,
     /// Friction.
     pub slip: Slip,
+    /// How it moves, without turning; at rest where absent.
+    pub motion: Option<Motion>,
 }
 
 impl Body {
-    /// Ghost particles: the outermost layer of thickness 2h, and the volume of each.
+    /// A body at rest.
+    pub fn new(shape: Shape, slip: Slip) -> Self {
+        Self { shape, slip, motion: None }
+    }
+
+    /// Where it is and how it moves at a time.
+    pub fn pose(&self, time: f64) -> Pose {
+        self.motion.as_ref().map_or_else(Pose::default, |motion| motion.at(time))
+    }
+
+    /// Whether a point lies in it at a time.
+    pub fn contains(&self, x: [f64; 3], time: f64, dimension: usize) -> bool {
+        let moved = self.pose(time).displacement;
+        self.shape.depth(std::array::from_fn(|k| x[k] - moved[k]), dimension) > 0.0
+    }
+
+    /// Ghost particles, without displacement: the outermost layer of thickness 2h, and the volume of each.
     pub(crate) fn ghosts(&self, fluid: &FluidOptions) -> (Vec<[f64; 3]>, f64) {
         let (mut points, volume) = self.shape.lattice(fluid.spacing, fluid.dimension);
         let reach = fluid.kernel().reach();

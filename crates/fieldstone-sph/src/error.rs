@@ -64,6 +64,14 @@ pub enum SphError {
         /// What is needed.
         needed: f64,
     },
+    /// A table of a body's motion is none.
+    #[error("row {row} of the motion: {message}")]
+    Motion {
+        /// Row of the table, from 1.
+        row: usize,
+        /// What is wrong and what is possible.
+        message: String,
+    },
     /// A particle's state is not a number any more, or its density is not positive.
     #[error(
         "step {step}, time {time:.6}: particle {id} at {position:?} has {what}; lessen the time step (cfl), or look at the flow before that"
@@ -96,7 +104,7 @@ pub enum SphError {
         /// Its velocity.
         velocity: [f64; 3],
     },
-    /// A case file does not say what it must.
+    /// A case file, or a file that it names, does not say what it must.
     #[error("{file}:{line}: {message}")]
     Case {
         /// Name of the file.

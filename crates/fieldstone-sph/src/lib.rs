@@ -18,7 +18,8 @@
 //! | particle shifting | [`ShiftingOptions`] | Eq. 10, 11 |
 //! | free surface | any [`fieldstone_surface::Method`] | Sec. 3 |
 //! | mirror walls, periodic faces, openings, bodies | [`Boundaries`], [`MirrorWall`], [`Body`] | |
-//! | energies, what was gained and lost | [`Energies`], [`Budget`] | |
+//! | prescribed motion of bodies | [`Motion`] | `adami2012`, `fritsch1984` |
+//! | energies and momentum, what was gained and lost | [`Energies`], [`Budget`], [`MomentumBudget`] | |
 //!
 //! Results are the same bits for any number of threads, and for a run that was stopped and resumed.
 //!
@@ -51,6 +52,7 @@ mod error;
 mod gauges;
 mod ghosts;
 mod kernel;
+mod motion;
 mod neighbour_list;
 mod options;
 mod phases;
@@ -68,13 +70,14 @@ pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
     AxisName, BodySection, Case, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind,
-    GaugeSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection, ShippedCase,
-    SlipName, TimeSection, WallKind, WallSection,
+    GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection,
+    ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
-pub use energy::{Budget, Energies};
+pub use energy::{Budget, Energies, MomentumBudget};
 pub use error::SphError;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};
 pub use kernel::WendlandC2;
+pub use motion::{Motion, Pose};
 pub use options::{FluidOptions, Integrator, ShiftingOptions, TimeStepOptions, Viscosity, sound_speed_bound};
 pub use phases::{Phase, Phases};
 pub use run::{Outcome, RunFolder, particles_of, run};

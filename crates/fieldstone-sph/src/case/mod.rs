@@ -2,14 +2,16 @@
 
 mod flows;
 mod locate;
+mod motion;
 mod sections;
 mod shipped;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fieldstone_surface::{Method, Wall};
 use serde::Deserialize;
 
+pub use motion::MotionSection;
 pub use sections::{
     AxisName, BodySection, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind, GaugeSection,
     OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection, WallKind, WallSection,
@@ -17,8 +19,8 @@ pub use sections::{
 pub use shipped::{SHIPPED, ShippedCase};
 
 use crate::{
-    Body, Boundaries, Flow, FluidOptions, Integrator, MirrorWall, Shape, ShiftingOptions, Solver, SphError, State,
-    TimeStepOptions, Viscosity,
+    Body, Boundaries, Flow, FluidOptions, Integrator, MirrorWall, Motion, Shape, ShiftingOptions, Solver, SphError,
+    State, TimeStepOptions, Viscosity,
 };
 use locate::line_of;
 
@@ -91,7 +93,7 @@ impl Case {
         Self::parse(&text, &file)
     }
 
-    /// Parses the text of a case file; `file` is its name in messages.
+    /// Parses the text of a case file; `file` is its name in messages, and files that it names are looked for beside it.
     ///
     /// # Errors
     /// [`SphError::Case`] with the line: an unknown key, a value of the wrong kind or out of range.
@@ -335,9 +337,26 @@ impl Case {
         }
         for (nth, body) in s.body.iter().enumerate() {
             let shape = body.shape().map_err(|(key, message)| self.fault("body", nth, key, message))?;
-            boundaries.bodies.push(Body { shape, slip: body.slip.into() });
+            boundaries.bodies.push(Body { motion: self.motion(nth)?, ..Body::new(shape, body.slip.into()) });
         }
         Ok(boundaries)
+    }
+
+    /// The motion of a body, from its rows or its file.
+    fn motion(&self, nth: usize) -> Result<Option<Motion>, SphError> {
+        let dimension = self.sections.dimension;
+        match &self.sections.body[nth].motion {
+            None => Ok(None),
+            Some(MotionSection::File(name)) => motion::read_table(&self.beside(name), dimension).map(Some),
+            Some(MotionSection::Rows(rows)) => MotionSection::of_rows(rows, dimension)
+                .map(Some)
+                .map_err(|message| self.fault("body", nth, "motion", message)),
+        }
+    }
+
+    /// Path of a file that is named in the case: from the case's own folder.
+    fn beside(&self, name: &str) -> PathBuf {
+        Path::new(&self.file).parent().unwrap_or(Path::new("")).join(name)
     }
 
     /// The particles at the start: each fill's lattice, without what lies in bodies.
@@ -354,7 +373,7 @@ impl Case {
             let (points, _) = shape.lattice(s.spacing, s.dimension);
             let top = shape.bounds().1[self.up()];
             for x in points {
-                if flow.boundaries.bodies.iter().any(|b| b.shape.depth(x, s.dimension) > 0.0) {
+                if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
                     continue;
                 }
                 if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {

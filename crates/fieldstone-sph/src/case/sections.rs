@@ -1,5 +1,6 @@
 use serde::Deserialize;
 
+use super::MotionSection;
 use crate::{Shape, Slip};
 
 type Fault = (&'static str, String);
@@ -339,6 +340,8 @@ pub struct BodySection {
     /// Friction.
     #[serde(default)]
     pub slip: SlipName,
+    /// How it moves; at rest where absent.
+    pub motion: Option<MotionSection>,
 }
 
 impl BodySection {
