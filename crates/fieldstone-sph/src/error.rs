@@ -64,6 +64,26 @@ pub enum SphError {
         /// What is needed.
         needed: f64,
     },
+    /// A surface of triangles bounds no solid.
+    #[error("{message}")]
+    NoSolid {
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A body bounded by triangles is somewhere too thin for its ghost particles.
+    #[error(
+        "body {body} is a plate or a sharp wedge {thickness:.6} thick at {at:?}, without its displacement; it must be at least 4 spacings, {needed:.6}, or the fluid on one side feels the other: lessen the spacing or thicken the body"
+    )]
+    ThinSurface {
+        /// Index of the body, from 0.
+        body: usize,
+        /// Its thickness there.
+        thickness: f64,
+        /// Where on its surface.
+        at: [f64; 3],
+        /// What is needed.
+        needed: f64,
+    },
     /// A table of a body's motion is none.
     #[error("row {row} of the motion: {message}")]
     Motion {

@@ -18,6 +18,7 @@
 //! | particle shifting | [`ShiftingOptions`] | Eq. 10, 11 |
 //! | free surface | any [`fieldstone_surface::Method`] | Sec. 3 |
 //! | mirror walls, periodic faces, openings, bodies | [`Boundaries`], [`MirrorWall`], [`Body`] | |
+//! | bodies and fills of any shape | [`ClosedSurface`] | |
 //! | prescribed motion of bodies | [`Motion`] | `adami2012`, `fritsch1984` |
 //! | energies and momentum, what was gained and lost | [`Energies`], [`Budget`], [`MomentumBudget`] | |
 //!
@@ -46,6 +47,7 @@ mod boundaries;
 mod boundary_forces;
 mod case;
 mod checkpoint;
+mod closed_surface;
 mod density_gradient;
 mod energy;
 mod error;
@@ -64,6 +66,7 @@ mod solver;
 mod stage;
 mod state;
 mod surface_tension;
+mod triangle_tree;
 
 pub use body::{Body, Shape};
 pub use boundaries::{Boundaries, MirrorWall, Slip};
@@ -73,6 +76,7 @@ pub use case::{
     GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection,
     ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
+pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};
 pub use error::SphError;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};

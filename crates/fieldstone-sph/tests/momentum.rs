@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{dam_break, run};
+use common::{dam_break, ramped, run};
 use fieldstone_sph::{
     Body, Boundaries, Flow, FluidOptions, Integrator, Motion, Shape, ShiftingOptions, Slip, Solver, State, Viscosity,
 };
@@ -103,13 +103,12 @@ fn channel(motion: Option<Motion>, slip: Slip) -> Solver {
 #[test]
 fn a_piston_gives_the_fluid_its_mass_times_its_velocity() {
     let speed = 0.2;
-    let rows = [(0.0, [0.0; 3]), (0.5, [0.5 * speed, 0.0, 0.0])];
-    let mut solver = channel(Some(Motion::new(&rows).unwrap()), Slip::Free);
+    // Sound runs to and fro in the block of 0.6 in 4 L/c = 0.24: the start is no faster than that.
+    let mut solver = channel(Some(ramped(0, speed, 0.24, 1.0)), Slip::Free);
     let count = solver.state().len();
-    // Sound runs to and fro in the block of 0.6: its momentum swings about the mean with a period of 4 L/c.
-    run(&mut solver, 0.15);
+    run(&mut solver, 0.3);
     let (mut sum, mut duration) = (0.0, 0.0);
-    while duration < 4.0 * 0.6 / solver.flow().fluid.sound_speed {
+    while duration < 0.24 {
         let dt = solver.step().unwrap();
         sum += dt * solver.budget().momentum.bodies[0];
         duration += dt;
@@ -122,7 +121,7 @@ fn a_piston_gives_the_fluid_its_mass_times_its_velocity() {
     assert_eq!(solver.state().len(), count);
     assert!(relative_residual(&solver) < 1e-12, "{momentum:?}");
     // The gap of 0.2 is not closed yet, so all of it is the piston's.
-    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
     assert!(momentum.walls[0].abs() < 1e-9 * momentum.bodies[0], "{momentum:?}");
     // What the piston has done is energy of the fluid.
     assert!(solver.energy_residual().abs() < 0.02 * energies.kinetic, "{}", solver.energy_residual());

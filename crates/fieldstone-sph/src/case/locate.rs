@@ -21,6 +21,11 @@ pub(super) fn line_of(text: &str, section: &str, nth: usize, key: &str) -> usize
     head
 }
 
+/// Name of the table in which a line, from 1, stands; nothing before the first head.
+pub(super) fn section_at(text: &str, line: usize) -> Option<&str> {
+    text.lines().take(line).filter_map(|line| head_of(line.trim())).last()
+}
+
 /// Name of a table's head; a line of an array may begin with a bracket, too.
 fn head_of(line: &str) -> Option<&str> {
     let name = line.strip_prefix('[')?.trim_start_matches('[').split(']').next()?.trim();
@@ -47,5 +52,6 @@ mod tests {
         let text = "[[body]]\nmotion = [\n[0, 0.0, 0],\n  [1, 1, 0],\n]\nslip = 1\n[[body]]\nslip = 2\n";
         assert_eq!(line_of(text, "body", 0, "slip"), 6);
         assert_eq!(line_of(text, "body", 1, "slip"), 8);
+        assert_eq!((section_at("x = 1\n[a]", 1), section_at(text, 4)), (None, Some("body")));
     }
 }
