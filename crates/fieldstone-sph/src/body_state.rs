@@ -54,9 +54,9 @@ pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
         points.carriers[rank][3] = if state.wet { points.bodies.volume[body] } else { 0.0 };
         points.carriers[rank][4] = state.density;
         if points.needs_viscous {
-            let velocity = points.bodies.pose_of(body).velocity;
-            for k in 0..3 {
-                points.viscous[rank][k] = 2.0 * velocity[k] - state.velocity[k];
+            let body = points.bodies.pose_of(body).velocity;
+            for ((column, u), fluid) in points.viscous[rank].iter_mut().zip(body).zip(state.velocity) {
+                *column = 2.0 * u - fluid;
             }
         }
     }

@@ -196,14 +196,16 @@ fn open_edges(triangles: &[[u32; 3]]) -> (usize, Option<[u32; 2]>) {
 mod tests {
     use super::*;
 
+    type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
     /// Eight corners and twelve triangles, outwards.
-    fn cuboid(low: [f64; 3], high: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    fn cuboid(low: [f64; 3], high: [f64; 3]) -> Triangles {
         let points = (0..8).map(|n| std::array::from_fn(|k| if n >> k & 1 == 1 { high[k] } else { low[k] })).collect();
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         (points, faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
     }
 
-    fn joined(parts: &[(Vec<[f64; 3]>, Vec<[u32; 3]>)]) -> ClosedSurface {
+    fn joined(parts: &[Triangles]) -> ClosedSurface {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for (p, t) in parts {
             let first = points.len() as u32;
@@ -258,7 +260,7 @@ mod tests {
         };
         let open = error(&points, &triangles[1..]);
         assert!(
-            open.contains("3 edges are not shared") && open.contains("from [0.0, 0.0, 0.0] to [0.0, 1.0, 0.0]"),
+            open.contains("3 edges are not shared") && open.contains("from [0.0, 0.0, 0.0] to [2.0, 1.0, 0.0]"),
             "{open}"
         );
         let mut turned = triangles.clone();

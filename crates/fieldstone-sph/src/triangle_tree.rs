@@ -201,10 +201,8 @@ fn build(triangles: &mut [[Corner; 3]], start: usize, end: usize, nodes: &mut Ve
     let part = &mut triangles[start..end];
     let mut node = Node { low: [i64::MAX; 3], high: [i64::MIN; 3], start, end, second: 0 };
     for x in part.iter().flatten() {
-        for k in 0..3 {
-            node.low[k] = node.low[k].min(x[k]);
-            node.high[k] = node.high[k].max(x[k]);
-        }
+        node.low = std::array::from_fn(|k| node.low[k].min(x[k]));
+        node.high = std::array::from_fn(|k| node.high[k].max(x[k]));
     }
     let axis = (0..3).max_by_key(|&k| node.high[k] - node.low[k]).unwrap_or(0);
     let index = nodes.len();

@@ -206,13 +206,19 @@ kind = "force"
 #[test]
 fn a_run_with_a_gate_that_was_stopped_and_resumed_ends_with_the_same_bits() {
     let space = tempfile::tempdir().unwrap();
-    std::fs::write(space.path().join("gate.csv"), "t, x, y\n# seconds, metres\n0.02, 0, 0\n0.1, 0, 0\n0.3, 0, 0.45\n0.32, 0, 0.45\n")
-        .unwrap();
+    std::fs::write(
+        space.path().join("gate.csv"),
+        "t, x, y\n# seconds, metres\n0.02, 0, 0\n0.1, 0, 0\n0.3, 0, 0.45\n0.32, 0, 0.45\n",
+    )
+    .unwrap();
     let path = space.path().join("gate.toml");
     std::fs::write(&path, gate("\"gate.csv\"", 0.35)).unwrap();
     let by_file = Case::read(&path).unwrap();
-    let inline =
-        Case::parse(&gate("[\n  [0.02, 0, 0],\n  [0.1, 0.0, 0.0],\n  [0.3, 0, 0.45],\n  [0.32, 0, 0.45],\n]", 0.35), "c.toml").unwrap();
+    let inline = Case::parse(
+        &gate("[\n  [0.02, 0, 0],\n  [0.1, 0.0, 0.0],\n  [0.3, 0, 0.45],\n  [0.32, 0, 0.45],\n]", 0.35),
+        "c.toml",
+    )
+    .unwrap();
     assert_eq!(by_file.flow().unwrap(), inline.flow().unwrap());
     let folder = |name: &str| RunFolder::create(&space.path().join(name)).unwrap();
     let never = AtomicBool::new(false);

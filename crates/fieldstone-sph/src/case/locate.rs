@@ -35,7 +35,7 @@ fn head_of(line: &str) -> Option<&str> {
 
 #[cfg(test)]
 mod tests {
-    use super::line_of;
+    use super::{line_of, section_at};
 
     #[test]
     fn keys_are_found_in_the_table_that_was_meant() {
