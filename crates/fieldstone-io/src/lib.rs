@@ -11,6 +11,7 @@
 //! | many frames with their contacts, from many files, on a thread of their own | [`Series`] |
 //! | what MercuryDPM keeps apart: densities, walls, periodic boundaries | [`read_restart`] |
 //! | a mesh | [`read_mesh`] |
+//! | a surface of triangles | [`read_stl`] |
 //! | coarse-grained fields as MercuryCG writes them | [`read_stat`], [`StatWriter`] |
 
 mod assembly;
@@ -48,6 +49,7 @@ mod point_columns;
 mod series;
 pub mod source;
 mod stat;
+mod stl;
 mod stl_write;
 mod surface_check;
 pub mod vtk;
@@ -78,5 +80,6 @@ pub use ply::read_ply;
 pub use ply_write::write_ply;
 pub use series::{BackgroundSeries, ContactFiles, Series, SeriesFrame};
 pub use stat::{StatBlock, StatField, StatFile, StatHeader, StatWriter, read_stat};
+pub use stl::read_stl;
 pub use stl_write::write_stl;
 pub use xyz::XyzReader;

@@ -1,7 +1,11 @@
-use crate::{FluidOptions, Slip, SphError};
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::{ClosedSurface, FluidOptions, Motion, Pose, Slip, SphError};
 
 /// A solid shape.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// An axis-parallel box.
     Box {
@@ -28,12 +32,15 @@ pub enum Shape {
         /// Radius.
         radius: f64,
     },
+    /// The inside of a surface of triangles; in three dimensions only.
+    Surface(Arc<ClosedSurface>),
 }
 
 impl Shape {
     /// The box around it.
     pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         match *self {
+            Self::Surface(ref surface) => surface.bounds(),
             Self::Box { low, high } => (low, high),
             Self::Sphere { centre, radius } => (centre.map(|c| c - radius), centre.map(|c| c + radius)),
             Self::Cylinder { centre, radius, length, axis } => {
@@ -46,6 +53,7 @@ impl Shape {
     /// Distance into the solid from its surface; negative outside. In two dimensions z does not count.
     pub fn depth(&self, x: [f64; 3], dimension: usize) -> f64 {
         match *self {
+            Self::Surface(ref surface) => surface.depth(x),
             Self::Box { low, high } => {
                 (0..dimension).map(|k| (x[k] - low[k]).min(high[k] - x[k])).fold(f64::INFINITY, f64::min)
             }
@@ -60,63 +68,90 @@ impl Shape {
         }
     }
 
-    /// Centres of lattice cells inside the shape. A box is divided evenly, its cells close to cubes of edge `spacing`;
-    /// round shapes are cut out of a lattice that is symmetric to their centre.
+    /// Whether a point is inside. In two dimensions z does not count.
+    pub fn contains(&self, x: [f64; 3], dimension: usize) -> bool {
+        match self {
+            Self::Surface(surface) => surface.contains(x),
+            other => other.depth(x, dimension) > 0.0,
+        }
+    }
+
+    /// Centres of lattice cells inside the shape, and their volume. A box is divided evenly, its cells close to cubes
+    /// of edge `spacing`, and so is the box around a surface; round shapes are cut out of a lattice that is symmetric
+    /// to their centre.
     pub fn lattice(&self, spacing: f64, dimension: usize) -> (Vec<[f64; 3]>, f64) {
         let (low, high) = self.bounds();
+        let even = matches!(self, Self::Box { .. } | Self::Surface(_));
         let mut counts = [1usize; 3];
         let mut cell = [0.0; 3];
         for k in 0..dimension {
             let extent = high[k] - low[k];
             // A round shape is never cut at the last cell.
             let cells = extent / spacing;
-            let rounded = if matches!(self, Self::Box { .. }) { cells.round() } else { 2.0 * (0.5 * cells).ceil() };
+            let rounded = if even { cells.round() } else { 2.0 * (0.5 * cells).ceil() };
             counts[k] = rounded.max(1.0) as usize;
-            cell[k] = if matches!(self, Self::Box { .. }) { extent / counts[k] as f64 } else { spacing };
+            cell[k] = if even { extent / counts[k] as f64 } else { spacing };
         }
         let middle: [f64; 3] = std::array::from_fn(|k| if k < dimension { 0.5 * (low[k] + high[k]) } else { 0.0 });
-        let mut points = Vec::with_capacity(counts.iter().product());
-        for i in 0..counts[0] {
-            for j in 0..counts[1] {
-                for k in 0..counts[2] {
-                    let index = [i, j, k];
-                    let x: [f64; 3] = std::array::from_fn(|a| {
-                        if a >= dimension {
-                            0.0
-                        } else if matches!(self, Self::Box { .. }) {
-                            low[a] + (index[a] as f64 + 0.5) * cell[a]
-                        } else {
-                            middle[a] + (index[a] as f64 + 0.5 - 0.5 * counts[a] as f64) * cell[a]
-                        }
-                    });
-                    if self.depth(x, dimension) > 0.0 {
-                        points.push(x);
-                    }
+        let centre = |index: [usize; 3]| -> [f64; 3] {
+            std::array::from_fn(|a| {
+                if a >= dimension {
+                    0.0
+                } else if even {
+                    low[a] + (index[a] as f64 + 0.5) * cell[a]
+                } else {
+                    middle[a] + (index[a] as f64 + 0.5 - 0.5 * counts[a] as f64) * cell[a]
                 }
-            }
-        }
+            })
+        };
+        let row = |i: usize| -> Vec<[f64; 3]> {
+            let cells = (0..counts[1]).flat_map(|j| (0..counts[2]).map(move |k| [i, j, k]));
+            cells.map(centre).filter(|&x| self.contains(x, dimension)).collect()
+        };
+        let rows: Vec<Vec<[f64; 3]>> = (0..counts[0]).into_par_iter().map(row).collect();
+        let points = rows.concat();
         (points, cell[..dimension].iter().product())
     }
 }
 
-/// A solid body at rest: fixed ghost particles whose pressure is interpolated from the fluid.
+/// A solid body, at rest or in a prescribed motion: ghost particles whose pressure is interpolated from the fluid.
 ///
 /// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
 /// beyond by the kernel's radius 2h.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Its shape.
+    /// Its shape, where it is without a displacement.
     pub shape: Shape,
     /// Friction.
     pub slip: Slip,
+    /// How it moves, without turning; at rest where absent.
+    pub motion: Option<Motion>,
 }
 
 impl Body {
-    /// Ghost particles: the outermost layer of thickness 2h, and the volume of each.
+    /// A body at rest.
+    pub fn new(shape: Shape, slip: Slip) -> Self {
+        Self { shape, slip, motion: None }
+    }
+
+    /// Where it is and how it moves at a time.
+    pub fn pose(&self, time: f64) -> Pose {
+        self.motion.as_ref().map_or_else(Pose::default, |motion| motion.at(time))
+    }
+
+    /// Whether a point lies in it at a time.
+    pub fn contains(&self, x: [f64; 3], time: f64, dimension: usize) -> bool {
+        let moved = self.pose(time).displacement;
+        self.shape.contains(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+    }
+
+    /// Ghost particles, without displacement: the outermost layer of thickness 2h, and the volume of each.
     pub(crate) fn ghosts(&self, fluid: &FluidOptions) -> (Vec<[f64; 3]>, f64) {
         let (mut points, volume) = self.shape.lattice(fluid.spacing, fluid.dimension);
         let reach = fluid.kernel().reach();
-        points.retain(|&x| self.shape.depth(x, fluid.dimension) < reach);
+        let near: Vec<bool> = points.par_iter().map(|&x| self.shape.depth(x, fluid.dimension) < reach).collect();
+        let mut near = near.into_iter();
+        points.retain(|_| near.next().unwrap_or(true));
         (points, volume)
     }
 
@@ -128,6 +163,15 @@ impl Body {
             // A thickness of exactly four spacings may come rounded.
             if thickness.is_nan() || thickness < needed * (1.0 - 1e-9) {
                 return Err(SphError::ThinBody { body, thickness, axis: ['x', 'y', 'z'][axis], needed });
+            }
+        }
+        if let Shape::Surface(surface) = &self.shape {
+            if fluid.dimension == 2 {
+                let message = "a surface of triangles bounds a solid in three dimensions only".into();
+                return Err(SphError::NoSolid { message });
+            }
+            if let Some((thickness, at)) = surface.thinner_than(needed * (1.0 - 1e-6)) {
+                return Err(SphError::ThinSurface { body, thickness, at, needed });
             }
         }
         Ok(())

@@ -10,21 +10,25 @@ const DRY: f64 = 1e-6;
 
 /// Interpolates density and velocity to the bodies' ghosts, and completes the carriers.
 ///
-/// $$ p_g = \frac{\sum_j [p_j + \rho_0\,g\cdot(x_g - x_j)]\,W_{gj}V_j}{\sum_j W_{gj}V_j} $$
+/// $$ p_g = \frac{\sum_j [p_j + \rho_0\,(g - a)\cdot(x_g - x_j)]\,W_{gj}V_j}{\sum_j W_{gj}V_j} $$
 ///
-/// over fluid particles and their images. A ghost without any has p = 0 and volume 0: it stays out of every sum.
+/// over fluid particles and their images, with the body's acceleration a. A ghost without any has p = 0 and volume 0: it stays out of every sum.
 ///
-/// Source: `adami2012`, for bodies at rest.
+/// The velocity in the viscous term is 2U less that of the fluid nearby, so that the mean of both is the body's, U.
+///
+/// Source: `adami2012`.
 pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
     if points.bodies.x.is_empty() {
         return;
     }
     let kernel = fluid.kernel();
-    let rest = fluid.gravity.map(|g| fluid.density * g / (fluid.sound_speed * fluid.sound_speed));
+    let stiffness = fluid.density / (fluid.sound_speed * fluid.sound_speed);
     let state: Vec<BodyState> = (0..points.bodies.x.len())
         .into_par_iter()
         .map(|body| {
             let at = points.bodies.x[body];
+            let acceleration = points.bodies.pose_of(body).acceleration;
+            let rest: [f64; 3] = std::array::from_fn(|k| stiffness * (fluid.gravity[k] - acceleration[k]));
             let (mut weight, mut density, mut velocity) = (0.0, 0.0, [0.0; 3]);
             for_each_fluid(points, &kernel, body, |j, w| {
                 let [x, y, z, volume, rho, u, v, s] = points.carriers[j];
@@ -49,8 +53,9 @@ pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
         points.carriers[rank][3] = if state.wet { points.bodies.volume[body] } else { 0.0 };
         points.carriers[rank][4] = state.density;
         if points.needs_viscous {
-            for k in 0..3 {
-                points.viscous[rank][k] = -state.velocity[k];
+            let body = points.bodies.pose_of(body).velocity;
+            for ((column, u), fluid) in points.viscous[rank].iter_mut().zip(body).zip(state.velocity) {
+                *column = 2.0 * u - fluid;
             }
         }
     }

@@ -30,7 +30,7 @@ pub struct MirrorWall {
 /// | `periodic` | directions in which the domain repeats itself | – |
 /// | `open` | lower and upper faces through which particles may leave; they are removed and counted | – |
 /// | `walls` | mirror planes, at right angles to each other where they meet | – |
-/// | `bodies` | solid bodies at rest, made of fixed ghost particles | – |
+/// | `bodies` | solid bodies, at rest or in a prescribed motion, made of ghost particles | – |
 ///
 /// A particle beyond a face that is neither periodic nor open, by more than `padding`, stops the run.
 #[derive(Debug, Clone, PartialEq)]

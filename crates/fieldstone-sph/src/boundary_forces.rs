@@ -1,7 +1,11 @@
 use rayon::prelude::*;
 
 use crate::FluidOptions;
+use crate::kernel::{TINY, inverse_root};
 use crate::points::{Kind, Points};
+
+/// Particles per task.
+const CHUNK: usize = 256;
 
 /// Forces of the fluid on what bounds it; per unit of length along z in two dimensions.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -12,57 +16,83 @@ pub struct BoundaryForces {
     pub bodies: Vec<[f64; 3]>,
 }
 
-/// Sums the pair forces between fluid particles and ghosts: what Eq. 4 gives them, with the opposite sign.
-///
-/// Images through periodic faces are fluid; their forces cancel in the sum over walls.
-pub(crate) fn boundary_forces(points: &Points, fluid: &FluidOptions, bodies: usize) -> BoundaryForces {
-    let kernel = fluid.kernel();
-    let friction = 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity();
-    let mass = fluid.particle_mass();
-    let count = points.fluid_count();
-    let per_particle: Vec<Vec<(Option<u16>, [f64; 3])>> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            let own = &points.carriers[i];
-            let mut forces = Vec::new();
-            for &j in points.fluid_list.of(i) {
-                let j = j as usize;
-                let body = match points.kind(j) {
-                    Kind::Fluid(_) => continue,
-                    Kind::Body(b) => Some(points.bodies.body[b]),
-                    Kind::Image(_) => None,
-                };
-                let other = &points.carriers[j];
-                let d: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
-                let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                let g = kernel.slope(squared.sqrt());
-                if g == 0.0 || squared == 0.0 {
-                    continue;
-                }
-                let (velocity, weight) = if points.needs_viscous {
-                    let [u, v, w, weight] = points.viscous[j];
-                    ([u, v, w], weight)
-                } else {
-                    ([other[5], other[6], other[7]], 1.0)
-                };
-                let approach: f64 = (0..3).map(|k| (velocity[k] - own[5 + k]) * d[k]).sum();
-                let pressure = fluid.pressure(own[4]) + fluid.pressure(other[4]);
-                let volumes = mass / own[4] * other[3];
-                let size = volumes * g * (pressure - weight * friction * approach / squared);
-                forces.push((body, d.map(|x| size * x)));
+impl BoundaryForces {
+    fn none(bodies: usize) -> Self {
+        Self { walls: [0.0; 3], bodies: vec![[0.0; 3]; bodies] }
+    }
+
+    fn add(&mut self, other: &Self) {
+        let bodies = self.bodies.iter_mut().zip(&other.bodies);
+        for (sum, part) in bodies.chain([(&mut self.walls, &other.walls)]) {
+            for k in 0..3 {
+                sum[k] += part[k];
             }
-            forces
-        })
-        .collect();
-    let mut sum = BoundaryForces { walls: [0.0; 3], bodies: vec![[0.0; 3]; bodies] };
-    for (body, force) in per_particle.into_iter().flatten() {
-        let target = match body {
-            Some(body) => &mut sum.bodies[body as usize],
-            None => &mut sum.walls,
-        };
-        for k in 0..3 {
-            target[k] += force[k];
         }
     }
+}
+
+/// Sums the pair forces between fluid particles and ghosts: what Eq. 4 gives them, with the opposite sign and with
+/// the root of [`Rates`](crate::rates::Rates), so that momentum is accounted for to rounding.
+///
+/// Images through periodic faces are fluid. With tensile control `free` marks the free surface, as for the rates.
+/// Summed in a fixed order: by particle within tasks of fixed size, then by task.
+pub(crate) fn boundary_forces(
+    points: &Points,
+    fluid: &FluidOptions,
+    bodies: usize,
+    tensile: Option<&[u8]>,
+) -> BoundaryForces {
+    let factor = fluid.kernel().slope_factor();
+    let inverse_square = 1.0 / (fluid.h() * fluid.h());
+    let friction = 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity();
+    let (mass, stiffness) = (fluid.particle_mass(), fluid.sound_speed * fluid.sound_speed);
+    let of_particle = |i: usize, sum: &mut BoundaryForces| {
+        let own = &points.carriers[i];
+        let excess = own[4] - fluid.density;
+        let flipped = excess < 0.0 && tensile.is_some_and(|free| free[i] == 0);
+        let excess = if flipped { -excess } else { excess };
+        for &j in points.fluid_list.of(i) {
+            let j = j as usize;
+            if !points.is_solid(j) {
+                continue;
+            }
+            let other = &points.carriers[j];
+            let d: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
+            let s = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * inverse_square).max(TINY);
+            let inverse = inverse_root(s);
+            let left = 1.0 - 0.5 * (s * inverse);
+            if left <= 0.0 {
+                continue;
+            }
+            let (velocity, weight) = if points.needs_viscous {
+                let [u, v, w, weight] = points.viscous[j];
+                ([u, v, w], weight)
+            } else {
+                ([other[5], other[6], other[7]], 1.0)
+            };
+            let approach: f64 = (0..3).map(|k| (velocity[k] - own[5 + k]) * d[k]).sum();
+            let pressure = stiffness * (excess + (other[4] - fluid.density));
+            let viscous = weight * friction * approach * (inverse * inverse) * inverse_square;
+            let size = mass / own[4] * other[3] * factor * (left * left * left) * (pressure - viscous);
+            let target = match points.kind(j) {
+                Kind::Body(b) => &mut sum.bodies[points.bodies.body[b] as usize],
+                _ => &mut sum.walls,
+            };
+            for k in 0..3 {
+                target[k] += size * d[k];
+            }
+        }
+    };
+    let parts: Vec<BoundaryForces> = points
+        .beside
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut sum = BoundaryForces::none(bodies);
+            chunk.iter().for_each(|&i| of_particle(i as usize, &mut sum));
+            sum
+        })
+        .collect();
+    let mut sum = BoundaryForces::none(bodies);
+    parts.iter().for_each(|part| sum.add(part));
     sum
 }

@@ -3,7 +3,7 @@ use std::path::Path;
 use fieldstone_io::AtomicFile;
 
 use crate::solver::Snapshot;
-use crate::{Budget, Flow, Solver, SphError, State};
+use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
 
 const MAGIC: &[u8; 8] = b"FSTNSPH\x02";
 
@@ -16,7 +16,7 @@ const MAGIC: &[u8; 8] = b"FSTNSPH\x02";
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
 ///
-/// Neighbour lists are made again from the positions that they were made for; uncovered directions of the free
+/// Neighbour lists are made again from the positions that they were made for, of particles and, by the time, of bodies; uncovered directions of the free
 /// surface, which only save time, are found again.
 impl Solver {
     /// Writes a checkpoint; the file appears whole or not at all.
@@ -71,7 +71,8 @@ fn fingerprint(flow: &Flow) -> u32 {
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut out = Vec::new();
-    let Snapshot { state, regions, built_at, time, steps, last_step, lists_due, order_due, budget } = snapshot;
+    let Snapshot { state, regions, built_at, listed_at, time, steps, last_step, lists_due, order_due, budget } =
+        snapshot;
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
     word(built_at.len() as u64);
@@ -82,10 +83,20 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     word(budget.reflections);
     word(budget.singular);
     let Budget {
-        start, viscous, diffusive, boundaries, shifting, surface_tension, removed_energy, removed_mass, ..
+        start,
+        viscous,
+        diffusive,
+        boundaries,
+        shifting,
+        surface_tension,
+        removed_energy,
+        removed_mass,
+        momentum,
+        ..
     } = *budget;
     for x in [
         *time,
+        *listed_at,
         *last_step,
         start,
         viscous,
@@ -96,6 +107,10 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         removed_energy,
         removed_mass,
     ] {
+        word(x.to_bits());
+    }
+    let MomentumBudget { start, walls, bodies, weight, surface_tension, removed } = momentum;
+    for x in [start, walls, bodies, weight, surface_tension, removed].as_flattened() {
         word(x.to_bits());
     }
     for x in state.x.iter().chain(&state.u).chain(built_at).flatten().chain(&state.density) {
@@ -118,14 +133,14 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (8u128 + 10) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (8u128 + 11 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
     let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
     let mut budget = Budget { removed: word()?, reflections: word()?, singular: word()?, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
-    let (time, last_step) = (number()?, number()?);
+    let (time, listed_at, last_step) = (number()?, number()?, number()?);
     budget.start = number()?;
     budget.viscous = number()?;
     budget.diffusive = number()?;
@@ -135,11 +150,14 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     budget.removed_energy = number()?;
     budget.removed_mass = number()?;
     let mut vectors = |n: usize| (0..n).map(|_| Some([number()?, number()?, number()?])).collect::<Option<Vec<_>>>();
+    let impulses = vectors(6)?;
+    let [start, walls, bodies, weight, surface_tension, removed] = impulses[..] else { return None };
+    budget.momentum = MomentumBudget { start, walls, bodies, weight, surface_tension, removed };
     let (x, u, built_at) = (vectors(count)?, vectors(count)?, vectors(built)?);
     let density = (0..count).map(|_| number()).collect::<Option<Vec<_>>>()?;
     let (ids, regions) = rest.split_at_checked(4 * count)?;
     let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
     let state = State { x, u, density, id };
     let regions = regions.to_vec();
-    Some(Snapshot { state, regions, built_at, time, steps, last_step, lists_due, order_due, budget })
+    Some(Snapshot { state, regions, built_at, listed_at, time, steps, last_step, lists_due, order_due, budget })
 }

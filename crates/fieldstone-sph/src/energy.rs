@@ -11,7 +11,7 @@ pub struct Budget {
     pub viscous: f64,
     /// Compression energy by the density diffusion.
     pub diffusive: f64,
-    /// Work of walls and bodies, by which pressure and divergence do not cancel; with tensile control its work, too.
+    /// Work of walls and bodies, moving ones included, by which pressure and divergence do not cancel; with tensile control its work, too.
     pub boundaries: f64,
     /// Potential energy by shifting and by putting particles back before a wall that they had passed.
     pub shifting: f64,
@@ -28,6 +28,46 @@ pub struct Budget {
     pub reflections: u64,
     /// Times that a gradient was set to 0 for want of L.
     pub singular: u64,
+    /// The momentum.
+    pub momentum: MomentumBudget,
+}
+
+/// Momentum that the fluid had at the start, and impulses on it since, integrated with the stages of the time steps;
+/// per unit of length along z in two dimensions.
+///
+/// $$ \sum m u - \text{start} = I_w + I_b + I_g + I_\sigma - \text{removed} + \text{residual} $$
+///
+/// Shifting moves positions only. Forces between particles cancel, so the residual is rounding; tensile control is
+/// not conservative, and the residual is what it creates.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MomentumBudget {
+    /// Momentum at the start.
+    pub start: [f64; 3],
+    /// Impulse of mirror walls, by pressure, friction and by putting particles back that had passed them.
+    pub walls: [f64; 3],
+    /// Impulse of all bodies.
+    pub bodies: [f64; 3],
+    /// Impulse of the weight.
+    pub weight: [f64; 3],
+    /// Impulse of surface tension, which is not a sum of pairs.
+    pub surface_tension: [f64; 3],
+    /// Momentum of particles removed through open faces.
+    pub removed: [f64; 3],
+}
+
+impl MomentumBudget {
+    /// What the fluid's momentum must be by the impulses.
+    pub fn expected(&self) -> [f64; 3] {
+        let Self { start, walls, bodies, weight, surface_tension, removed } = self;
+        std::array::from_fn(|k| start[k] + walls[k] + bodies[k] + weight[k] + surface_tension[k] - removed[k])
+    }
+}
+
+/// Adds `factor` times a vector to another.
+pub(crate) fn accumulate(sum: &mut [f64; 3], factor: f64, vector: [f64; 3]) {
+    for (sum, x) in sum.iter_mut().zip(vector) {
+        *sum += factor * x;
+    }
 }
 
 /// Energies and momentum of the fluid.

@@ -64,6 +64,34 @@ pub enum SphError {
         /// What is needed.
         needed: f64,
     },
+    /// A surface of triangles bounds no solid.
+    #[error("{message}")]
+    NoSolid {
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A body bounded by triangles is somewhere too thin for its ghost particles.
+    #[error(
+        "body {body} is a plate or a sharp wedge {thickness:.6} thick at {at:?}, without its displacement; it must be at least 4 spacings, {needed:.6}, or the fluid on one side feels the other: lessen the spacing or thicken the body"
+    )]
+    ThinSurface {
+        /// Index of the body, from 0.
+        body: usize,
+        /// Its thickness there.
+        thickness: f64,
+        /// Where on its surface.
+        at: [f64; 3],
+        /// What is needed.
+        needed: f64,
+    },
+    /// A table of a body's motion is none.
+    #[error("row {row} of the motion: {message}")]
+    Motion {
+        /// Row of the table, from 1.
+        row: usize,
+        /// What is wrong and what is possible.
+        message: String,
+    },
     /// A particle's state is not a number any more, or its density is not positive.
     #[error(
         "step {step}, time {time:.6}: particle {id} at {position:?} has {what}; lessen the time step (cfl), or look at the flow before that"
@@ -96,7 +124,7 @@ pub enum SphError {
         /// Its velocity.
         velocity: [f64; 3],
     },
-    /// A case file does not say what it must.
+    /// A case file, or a file that it names, does not say what it must.
     #[error("{file}:{line}: {message}")]
     Case {
         /// Name of the file.

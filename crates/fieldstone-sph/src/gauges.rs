@@ -10,6 +10,8 @@ use crate::{GaugeKind, GaugeSection, Solver, SphError};
 /// | `residual` | what the budget does not explain |
 /// | `removed_mass`, `reflections`, `singular` | |
 /// | `momentum_x`, … | momentum |
+/// | `impulse_walls_x`, …, `impulse_bodies_x`, … | impulses on the fluid since the start |
+/// | `momentum_residual_x`, … | what the [`MomentumBudget`](crate::MomentumBudget) does not explain |
 pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
     let mut names: Vec<String> = [
         "time",
@@ -36,6 +38,9 @@ pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
     ]
     .map(String::from)
     .to_vec();
+    for what in ["impulse_walls", "impulse_bodies", "momentum_residual"] {
+        names.extend(["x", "y", "z"].map(|axis| format!("{what}_{axis}")));
+    }
     for gauge in gauges {
         if gauge.kind == GaugeKind::Force {
             names.extend(["x", "y", "z"].map(|axis| format!("{}_{axis}", gauge.name)));
@@ -74,7 +79,9 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         budget.reflections as f64,
         budget.singular as f64,
     ];
-    row.extend(energies.momentum);
+    for vector in [energies.momentum, budget.momentum.walls, budget.momentum.bodies, solver.momentum_residual()] {
+        row.extend(vector);
+    }
     let forces = if gauges.iter().any(|g| g.kind == GaugeKind::Force) { Some(solver.boundary_forces()?) } else { None };
     for gauge in gauges {
         match gauge.kind {

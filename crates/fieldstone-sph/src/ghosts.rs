@@ -12,6 +12,8 @@ pub(crate) struct Transform {
     shift: DVec3,
     /// What the velocity becomes in the viscous term: A for free slip, −1 for each wall without slip.
     viscous: DMat3,
+    /// Whether a wall has mirrored it; periodic shifts do not.
+    pub(crate) mirrored: bool,
     /// ρ₀ g/c₀², the density gradient of a fluid at rest.
     rest: DVec3,
 }
@@ -82,6 +84,7 @@ impl Ghosts {
             offset: DVec3::ZERO,
             shift: DVec3::ZERO,
             viscous: DMat3::IDENTITY,
+            mirrored: false,
             rest: DVec3::from_array(rest),
         };
         let products = vec![vec![None; operations.len()]];
@@ -148,6 +151,7 @@ impl Ghosts {
                 let normal = DVec3::from_array(wall.plane.normal());
                 let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
                 let reflection = DMat3::IDENTITY - 2.0 * outer;
+                product.mirrored = true;
                 product.matrix = reflection * product.matrix;
                 product.offset = reflection * product.offset + 2.0 * wall.plane.offset() * normal;
                 product.shift = reflection * product.shift;

@@ -18,7 +18,9 @@
 //! | particle shifting | [`ShiftingOptions`] | Eq. 10, 11 |
 //! | free surface | any [`fieldstone_surface::Method`] | Sec. 3 |
 //! | mirror walls, periodic faces, openings, bodies | [`Boundaries`], [`MirrorWall`], [`Body`] | |
-//! | energies, what was gained and lost | [`Energies`], [`Budget`] | |
+//! | bodies and fills of any shape | [`ClosedSurface`] | |
+//! | prescribed motion of bodies | [`Motion`] | `adami2012`, `fritsch1984` |
+//! | energies and momentum, what was gained and lost | [`Energies`], [`Budget`], [`MomentumBudget`] | |
 //!
 //! Results are the same bits for any number of threads, and for a run that was stopped and resumed.
 //!
@@ -46,12 +48,14 @@ mod boundary_forces;
 mod case;
 mod cells;
 mod checkpoint;
+mod closed_surface;
 mod density_gradient;
 mod energy;
 mod error;
 mod gauges;
 mod ghosts;
 mod kernel;
+mod motion;
 mod neighbour_count;
 mod neighbour_list;
 mod options;
@@ -65,19 +69,22 @@ mod spatial_order;
 mod stage;
 mod state;
 mod surface_tension;
+mod triangle_tree;
 
 pub use body::{Body, Shape};
 pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
     AxisName, BodySection, Case, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind,
-    GaugeSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection, ShippedCase,
-    SlipName, TimeSection, WallKind, WallSection,
+    GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection,
+    ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
-pub use energy::{Budget, Energies};
+pub use closed_surface::ClosedSurface;
+pub use energy::{Budget, Energies, MomentumBudget};
 pub use error::SphError;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};
 pub use kernel::WendlandC2;
+pub use motion::{Motion, Pose};
 pub use options::{FluidOptions, Integrator, ShiftingOptions, TimeStepOptions, Viscosity, sound_speed_bound};
 pub use phases::{Phase, Phases};
 pub use run::{Outcome, RunFolder, particles_of, run};

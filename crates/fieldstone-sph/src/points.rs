@@ -8,7 +8,7 @@ use crate::ghosts::Ghosts;
 use crate::neighbour_list::{CELLS_PER_REACH, NeighbourList};
 use crate::spatial_order::spatial_order;
 use crate::state::State;
-use crate::{Boundaries, FluidOptions, Slip, SphError};
+use crate::{Boundaries, FluidOptions, Pose, Slip, SphError};
 
 /// x, y, z, V, ρ, u, v, w of a point: one cache line.
 pub(crate) type Carrier = [f64; 8];
@@ -25,6 +25,63 @@ pub(crate) struct BodyGhosts {
     pub(crate) no_slip: Vec<bool>,
     /// Interpolated from the fluid in each stage.
     pub(crate) state: Vec<BodyState>,
+    /// Of each body, at the time for which the ghosts were placed last.
+    pub(crate) pose: Vec<Pose>,
+    /// Ghosts without displacement; empty where no body moves.
+    resting: Vec<[f64; 3]>,
+    /// Displacement of each body when the lists were built.
+    listed: Vec<[f64; 3]>,
+}
+
+impl BodyGhosts {
+    fn new(fluid: &FluidOptions, boundaries: &Boundaries) -> Self {
+        let mut ghosts = Self::default();
+        for (index, body) in boundaries.bodies.iter().enumerate() {
+            let (points, volume) = body.ghosts(fluid);
+            let points: Vec<_> = spatial_order(&points).into_iter().map(|i| points[i as usize]).collect();
+            let count = ghosts.x.len() + points.len();
+            ghosts.volume.resize(count, volume);
+            ghosts.body.resize(count, index as u16);
+            ghosts.no_slip.resize(count, body.slip == Slip::No);
+            ghosts.x.extend(points);
+        }
+        let dry = BodyState { density: fluid.density, ..BodyState::default() };
+        ghosts.state.resize(ghosts.x.len(), dry);
+        ghosts.pose.resize(boundaries.bodies.len(), Pose::default());
+        ghosts.listed.resize(boundaries.bodies.len(), [0.0; 3]);
+        if boundaries.bodies.iter().any(|b| b.motion.is_some()) {
+            ghosts.resting.clone_from(&ghosts.x);
+        }
+        ghosts.place(boundaries, 0.0);
+        ghosts
+    }
+
+    /// Moves the ghosts to where their bodies are at a time: from where they rest, so that nothing adds up.
+    pub(crate) fn place(&mut self, boundaries: &Boundaries, time: f64) {
+        if self.resting.is_empty() {
+            return;
+        }
+        for (pose, body) in self.pose.iter_mut().zip(&boundaries.bodies) {
+            *pose = body.pose(time);
+        }
+        for ((x, resting), body) in self.x.iter_mut().zip(&self.resting).zip(&self.body) {
+            let moved = self.pose[*body as usize].displacement;
+            *x = std::array::from_fn(|k| resting[k] + moved[k]);
+        }
+    }
+
+    /// Pose of the body that a ghost belongs to.
+    pub(crate) fn pose_of(&self, ghost: usize) -> &Pose {
+        &self.pose[self.body[ghost] as usize]
+    }
+
+    /// Farthest that a body has moved since the lists were built.
+    pub(crate) fn moved(&self) -> f64 {
+        let square = |(pose, listed): (&Pose, &[f64; 3])| {
+            (0..3).map(|k| (pose.displacement[k] - listed[k]).powi(2)).sum::<f64>()
+        };
+        self.pose.iter().zip(&self.listed).map(square).fold(0.0, f64::max).sqrt()
+    }
 }
 
 /// What a body's ghost takes over from the fluid.
@@ -62,6 +119,10 @@ pub(crate) struct Points {
     /// Velocity in the viscous term and whether the point takes part in it; filled where walls or bodies need it.
     pub(crate) viscous: Vec<[f64; 4]>,
     pub(crate) needs_viscous: bool,
+    /// Whether a point is a ghost of a wall or a body; images through periodic faces are fluid.
+    solid: Vec<bool>,
+    /// Fluid particles with such neighbours.
+    pub(crate) beside: Vec<u32>,
     fluid_count: usize,
     positions: Vec<[f64; 3]>,
 }
@@ -69,17 +130,7 @@ pub(crate) struct Points {
 impl Points {
     pub(crate) fn new(fluid: &FluidOptions, boundaries: &Boundaries, reach: f64) -> Result<Self, SphError> {
         let rest = fluid.gravity.map(|g| fluid.density * g / (fluid.sound_speed * fluid.sound_speed));
-        let mut bodies = BodyGhosts::default();
-        for (index, body) in boundaries.bodies.iter().enumerate() {
-            let (points, volume) = body.ghosts(fluid);
-            let points: Vec<_> = spatial_order(&points).into_iter().map(|i| points[i as usize]).collect();
-            bodies.volume.resize(bodies.x.len() + points.len(), volume);
-            bodies.body.resize(bodies.x.len() + points.len(), index as u16);
-            bodies.no_slip.resize(bodies.x.len() + points.len(), body.slip == Slip::No);
-            bodies.x.extend(points);
-        }
-        let dry = BodyState { density: fluid.density, ..BodyState::default() };
-        bodies.state.resize(bodies.x.len(), dry);
+        let bodies = BodyGhosts::new(fluid, boundaries);
         let needs_viscous = !bodies.x.is_empty() || boundaries.walls.iter().any(|w| w.slip == Slip::No);
         Ok(Self {
             reach,
@@ -92,14 +143,11 @@ impl Points {
             gradients: Vec::new(),
             viscous: Vec::new(),
             needs_viscous,
+            solid: Vec::new(),
+            beside: Vec::new(),
             fluid_count: 0,
             positions: Vec::new(),
         })
-    }
-
-    /// Number of fluid particles, which are the first points.
-    pub(crate) fn fluid_count(&self) -> usize {
-        self.fluid_count
     }
 
     /// The point that a body's ghost is.
@@ -119,11 +167,29 @@ impl Points {
         let (fluid, bodies) = (self.fluid_count, self.bodies.x.len());
         self.fluid_list.rebuild(&self.cells, &self.positions, 0, fluid, self.reach);
         self.body_list.rebuild(&self.cells, &self.positions, fluid, bodies, self.reach);
+        for (listed, pose) in self.bodies.listed.iter_mut().zip(&self.bodies.pose) {
+            *listed = pose.displacement;
+        }
+        let mut solid = std::mem::take(&mut self.solid);
+        self.fill(&mut solid, |kind| match kind {
+            Kind::Fluid(_) => false,
+            Kind::Body(_) => true,
+            Kind::Image(image) => self.ghosts.transform(self.ghosts.images[image].1).mirrored,
+        });
+        self.solid = solid;
+        let touched = |&i: &u32| self.fluid_list.of(i as usize).iter().any(|&j| self.solid[j as usize]);
+        self.beside = (0..fluid as u32).into_par_iter().filter(touched).collect();
     }
 
     /// Number of points.
     fn len(&self) -> usize {
         self.fluid_count + self.bodies.x.len() + self.ghosts.images.len()
+    }
+
+    /// Whether a point is a ghost of a wall or a body.
+    #[inline(always)]
+    pub(crate) fn is_solid(&self, point: usize) -> bool {
+        self.solid[point]
     }
 
     #[inline(always)]
@@ -156,7 +222,8 @@ impl Points {
             Kind::Fluid(i) => carrier(state.x[i], mass / state.density[i], state.density[i], state.u[i]),
             Kind::Body(b) => {
                 let BodyState { density, wet, .. } = self.bodies.state[b];
-                carrier(self.bodies.x[b], if wet { self.bodies.volume[b] } else { 0.0 }, density, [0.0; 3])
+                let volume = if wet { self.bodies.volume[b] } else { 0.0 };
+                carrier(self.bodies.x[b], volume, density, self.bodies.pose_of(b).velocity)
             }
             Kind::Image(image) => {
                 let (source, transform) = self.ghosts.images[image];
@@ -172,9 +239,8 @@ impl Points {
             self.fill(&mut viscous, |kind| match kind {
                 Kind::Fluid(i) => entry(state.u[i], 1.0),
                 Kind::Body(b) => {
-                    // The mean with the fluid's velocity is the body's, zero.
-                    let weight = f64::from(u8::from(self.bodies.no_slip[b]));
-                    entry(self.bodies.state[b].velocity.map(|u| -u), weight)
+                    // The velocity follows with the interpolation.
+                    entry([0.0; 3], f64::from(u8::from(self.bodies.no_slip[b])))
                 }
                 Kind::Image(image) => {
                     let (source, transform) = self.ghosts.images[image];

@@ -5,6 +5,7 @@ use fieldstone_surface::{Detection, Exact, Method, ScanningCone, Scene, SurfaceD
 use rayon::prelude::*;
 
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
+use crate::energy::accumulate;
 use crate::error::check;
 use crate::ghosts::Ghosts;
 use crate::neighbour_count::NeighbourCount;
@@ -151,6 +152,7 @@ pub(crate) struct Snapshot {
     pub(crate) state: State,
     pub(crate) regions: Vec<u8>,
     pub(crate) built_at: Vec<[f64; 3]>,
+    pub(crate) listed_at: f64,
     pub(crate) time: f64,
     pub(crate) steps: u64,
     pub(crate) last_step: f64,
@@ -168,7 +170,9 @@ impl Solver {
         flow.validate()?;
         let mut solver = Self::with(flow, state)?;
         solver.check_particles()?;
-        solver.budget.start = solver.energies().total();
+        let energies = solver.energies();
+        solver.budget.start = energies.total();
+        solver.budget.momentum.start = energies.momentum;
         if solver.detector.is_some() {
             solver.detect()?;
             solver.regions.clear();
@@ -221,6 +225,7 @@ impl Solver {
         solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
         if !snapshot.lists_due {
+            solver.stage.place_bodies(snapshot.listed_at, &solver.flow);
             solver.stage.build(&snapshot.built_at, &solver.flow);
         }
         Ok(solver)
@@ -231,6 +236,7 @@ impl Solver {
             state: self.state.clone(),
             regions: self.regions.clone(),
             built_at: if self.lists_due { Vec::new() } else { self.stage.built_at.clone() },
+            listed_at: self.stage.listed_at,
             time: self.time,
             steps: self.steps,
             last_step: self.last_step,
@@ -297,6 +303,12 @@ impl Solver {
         self.energies().total() - b.start - gains
     }
 
+    /// What the momentum budget does not explain: rounding, and what tensile control creates.
+    pub fn momentum_residual(&self) -> [f64; 3] {
+        let (found, expected) = (self.energies().momentum, self.budget.momentum.expected());
+        std::array::from_fn(|k| found[k] - expected[k])
+    }
+
     /// Ghosts within the kernel's reach of the boundaries: images of particles, and particles of bodies.
     pub fn ghost_count(&self) -> usize {
         let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
@@ -343,7 +355,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn mean_neighbours(&mut self) -> Result<f64, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.evaluate();
         let points = &self.stage.points;
         let mut counts = vec![0u32; self.state.len()];
         points.fluid_list.sum(&NeighbourCount::new(self.flow.fluid.kernel().reach(), &points.carriers), &mut counts);
@@ -363,7 +375,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.evaluate();
         Ok(self.stage.rates.iter().map(|r| r.acceleration).collect())
     }
 
@@ -372,8 +384,8 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn boundary_forces(&mut self) -> Result<BoundaryForces, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
-        Ok(boundary_forces(&self.stage.points, &self.flow.fluid, self.flow.boundaries.bodies.len()))
+        self.evaluate();
+        Ok(self.latest_forces())
     }
 
     /// The time step that the present state allows.
@@ -381,8 +393,20 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.evaluate();
         Ok(self.step_length())
+    }
+
+    /// Rates of the present state.
+    fn evaluate(&mut self) {
+        self.stage.evaluate(&self.state, self.time, &self.flow, &self.free);
+    }
+
+    /// Forces on walls and bodies in the latest evaluation.
+    fn latest_forces(&self) -> BoundaryForces {
+        let Flow { fluid, boundaries, .. } = &self.flow;
+        let tensile = fluid.tensile_control.then_some(&self.free[..]);
+        boundary_forces(&self.stage.points, fluid, boundaries.bodies.len(), tensile)
     }
 
     fn step_length(&self) -> f64 {
@@ -391,6 +415,12 @@ impl Solver {
         };
         let speed = largest(&mut self.state.u.iter().copied());
         let acceleration = largest(&mut self.stage.rates.iter().map(|r| r.acceleration));
+        let allowed = self.flow.time_step.step(&self.flow.fluid, speed, acceleration);
+        // A body counts with the fastest that it will be within the step.
+        let motions = self.flow.boundaries.bodies.iter().filter_map(|b| b.motion.as_ref());
+        let (speed, acceleration) = motions
+            .map(|m| m.largest(self.time, self.time + allowed))
+            .fold((speed, acceleration), |(u, a), (v, b)| (u.max(v), a.max(b)));
         self.flow.time_step.step(&self.flow.fluid, speed, acceleration)
     }
 
@@ -403,8 +433,9 @@ impl Solver {
         if self.lists_due {
             self.list_anew();
         }
+        self.stage.place_bodies(self.time, &self.flow);
         let before = self.stage.displacement(&self.state.x);
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.evaluate();
         let mut clock = Instant::now();
         let dt = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
@@ -416,6 +447,7 @@ impl Solver {
         self.time += dt;
         self.steps += 1;
         self.last_step = dt;
+        self.stage.place_bodies(self.time, &self.flow);
         self.reflect_at_walls();
         self.check_particles()?;
         let removed = self.remove_beyond_openings();
@@ -455,6 +487,7 @@ impl Solver {
             self.forget_witnesses();
             self.order_due = self.steps + ORDER_LASTS;
         }
+        self.stage.place_bodies(self.time, &self.flow);
         self.stage.build(&self.state.x, &self.flow);
         self.lists_due = false;
     }
@@ -484,7 +517,7 @@ impl Solver {
         self.fit_middle();
         self.predict(0.5 * dt);
         self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, &self.flow, &self.free);
+        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.free);
         clock = Instant::now();
         self.book(dt);
         let (state, rates) = (&mut self.state, &self.stage.rates);
@@ -518,7 +551,7 @@ impl Solver {
             };
             self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
             self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, &self.flow, &self.free);
+            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.free);
             clock = Instant::now();
             self.book(weight * dt / 6.0);
             let latest = self.stage.rates.par_iter().zip(&self.middle.u);
@@ -550,7 +583,7 @@ impl Solver {
         self.middle.id.clone_from(&self.state.id);
     }
 
-    /// Adds the powers of the latest evaluation to the budget; summed in the order of the particles.
+    /// Adds the powers and forces of the latest evaluation to the budget; summed in the order of the particles.
     fn book(&mut self, dt: f64) {
         for rate in &self.stage.rates {
             self.budget.viscous += dt * rate.viscous_power;
@@ -558,6 +591,14 @@ impl Solver {
             self.budget.boundaries += dt * rate.boundary_power;
         }
         self.budget.surface_tension += dt * self.stage.tension_power;
+        let forces = self.latest_forces();
+        let Flow { fluid, .. } = &self.flow;
+        let momentum = &mut self.budget.momentum;
+        accumulate(&mut momentum.walls, -dt, forces.walls);
+        forces.bodies.into_iter().for_each(|force| accumulate(&mut momentum.bodies, -dt, force));
+        let mass = self.state.len() as f64 * fluid.particle_mass();
+        accumulate(&mut momentum.weight, dt * mass, fluid.gravity);
+        accumulate(&mut momentum.surface_tension, dt, self.stage.tension_force);
         self.budget.singular += self.stage.gradients.iter().filter(|g| g[3] != 0.0).count() as u64;
     }
 
@@ -583,6 +624,7 @@ impl Solver {
                 self.state.density[i] += stiffness * depth;
                 let after = Energies::of_particle(image, self.state.u[i], self.state.density[i], fluid);
                 self.budget.shifting += after.total() - before.total();
+                accumulate(&mut self.budget.momentum.walls, -2.0 * across * fluid.particle_mass(), normal);
                 self.budget.reflections += 1;
             }
         }
@@ -630,8 +672,10 @@ impl Solver {
         for &i in &gone {
             let i = i as usize;
             let (x, u, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
-            self.budget.removed_energy += Energies::of_particle(x, u, density, &self.flow.fluid).total();
+            let energies = Energies::of_particle(x, u, density, &self.flow.fluid);
+            self.budget.removed_energy += energies.total();
             self.budget.removed_mass += self.flow.fluid.particle_mass();
+            accumulate(&mut self.budget.momentum.removed, 1.0, energies.momentum);
             self.budget.removed += 1;
         }
         self.state.reorder(&kept);

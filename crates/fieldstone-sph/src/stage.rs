@@ -18,8 +18,13 @@ pub(crate) struct Stage {
     pub(crate) rates: Vec<Rate>,
     pub(crate) gradients: Vec<[f64; 4]>,
     tension: SurfaceTension,
-    /// Power of surface tension, of the latest evaluation.
+    /// Power of surface tension and its force on the fluid as a whole, of the latest evaluation.
     pub(crate) tension_power: f64,
+    pub(crate) tension_force: [f64; 3],
+    /// Time at which bodies are where they are.
+    placed_at: f64,
+    /// Time at which they were where the lists were built.
+    pub(crate) listed_at: f64,
     /// Positions that the lists were built for; empty where there are none.
     pub(crate) built_at: Vec<[f64; 3]>,
     /// Margin of the lists beyond the kernel's reach.
@@ -37,10 +42,19 @@ impl Stage {
             gradients: Vec::new(),
             tension: SurfaceTension::default(),
             tension_power: 0.0,
+            tension_force: [0.0; 3],
+            placed_at: 0.0,
+            listed_at: 0.0,
             built_at: Vec::new(),
             skin,
             phases: Phases::default(),
         })
+    }
+
+    /// Puts the bodies where they are at a time.
+    pub(crate) fn place_bodies(&mut self, time: f64, flow: &Flow) {
+        self.points.bodies.place(&flow.boundaries, time);
+        self.placed_at = time;
     }
 
     /// Builds the lists for positions.
@@ -49,11 +63,12 @@ impl Stage {
         self.points.list_neighbours(x, &flow.boundaries);
         self.built_at.clear();
         self.built_at.extend_from_slice(x);
+        self.listed_at = self.placed_at;
         self.phases.lists_built += 1;
         self.phases.add(Phase::Neighbours, &mut clock);
     }
 
-    /// Largest distance of a particle from where the lists were built.
+    /// Largest distance of a particle, or of a body, from where the lists were built.
     pub(crate) fn displacement(&self, x: &[[f64; 3]]) -> f64 {
         if self.built_at.len() != x.len() {
             return f64::INFINITY;
@@ -62,7 +77,8 @@ impl Stage {
             let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
             dx * dx + dy * dy + dz * dz
         };
-        x.par_iter().zip(&self.built_at).map(square).reduce(|| 0.0, f64::max).sqrt()
+        let particles = x.par_iter().zip(&self.built_at).map(square).reduce(|| 0.0, f64::max).sqrt();
+        particles.max(self.points.bodies.moved())
     }
 
     /// Builds the lists where a particle may have moved out of them.
@@ -73,8 +89,9 @@ impl Stage {
         }
     }
 
-    /// Rates of a state; `free` marks the free surface for tensile control.
-    pub(crate) fn evaluate(&mut self, state: &State, flow: &Flow, free: &[u8]) {
+    /// Rates of a state at a time; `free` marks the free surface for tensile control.
+    pub(crate) fn evaluate(&mut self, state: &State, time: f64, flow: &Flow, free: &[u8]) {
+        self.place_bodies(time, flow);
         self.ensure_lists(&state.x, flow);
         let mut clock = Instant::now();
         let fluid = &flow.fluid;
@@ -99,9 +116,9 @@ impl Stage {
         } else {
             points.fluid_list.sum(&Rates::<false>::new(fluid, points, tensile), &mut self.rates);
         }
-        self.tension_power = 0.0;
+        (self.tension_power, self.tension_force) = (0.0, [0.0; 3]);
         if fluid.surface_tension > 0.0 {
-            self.tension_power = self.tension.add(fluid, points, &mut self.rates);
+            (self.tension_power, self.tension_force) = self.tension.add(fluid, points, &mut self.rates);
         }
         self.phases.add(Phase::Rates, &mut clock);
     }

@@ -26,30 +26,32 @@ pub(crate) struct SurfaceTension {
 }
 
 impl SurfaceTension {
-    /// Adds the accelerations; returns their power.
-    pub(crate) fn add(&mut self, fluid: &FluidOptions, points: &Points, rates: &mut [Rate]) -> f64 {
+    /// Adds the accelerations; returns their power and the force on the fluid as a whole.
+    pub(crate) fn add(&mut self, fluid: &FluidOptions, points: &Points, rates: &mut [Rate]) -> (f64, [f64; 3]) {
         (0..rates.len()).into_par_iter().map(|i| normal(fluid, points, i)).collect_into_vec(&mut self.normals);
         let normals = &self.normals;
         let mass = fluid.particle_mass();
-        let powers: Vec<f64> = rates
+        let each: Vec<[f64; 4]> = rates
             .par_iter_mut()
             .enumerate()
             .map(|(i, rate)| {
                 let [nx, ny, nz, delta] = normals[i];
                 if delta == 0.0 {
-                    return 0.0;
+                    return [0.0; 4];
                 }
                 let own = &points.carriers[i];
                 let size = -fluid.surface_tension * curvature(fluid, points, normals, i) * 2.0 * delta / own[4];
-                let mut power = 0.0;
+                let mut found = [0.0; 4];
                 for (k, n) in [nx, ny, nz].into_iter().enumerate() {
                     rate.acceleration[k] += size * n;
-                    power += mass * size * n * own[5 + k];
+                    found[k] = mass * size * n;
+                    found[3] += found[k] * own[5 + k];
                 }
-                power
+                found
             })
             .collect();
-        powers.iter().sum()
+        let sum = each.iter().fold([0.0; 4], |sum: [f64; 4], one| std::array::from_fn(|k| sum[k] + one[k]));
+        (sum[3], [sum[0], sum[1], sum[2]])
     }
 }
 

@@ -11,7 +11,7 @@ use fieldstone_surface::Method;
 
 fn with_everything(slip: Slip) -> (Flow, fieldstone_sph::State) {
     let (mut flow, state) = dam_break(0.02, slip);
-    flow.boundaries.bodies.push(Body { shape: Shape::Box { low: [0.6, -0.1, 0.0], high: [0.7, 0.2, 0.0] }, slip });
+    flow.boundaries.bodies.push(Body::new(Shape::Box { low: [0.6, -0.1, 0.0], high: [0.7, 0.2, 0.0] }, slip));
     flow.shifting = Some(ShiftingOptions::default());
     (flow, state)
 }

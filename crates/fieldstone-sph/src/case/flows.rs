@@ -4,12 +4,17 @@ use super::sections::{FillSection, FlowName, Pressure, PressureName};
 use crate::FluidOptions;
 
 impl FillSection {
-    /// Velocity and pressure at a point; `top` is the fill's upper end along axis `up`.
-    pub(super) fn initial(&self, x: [f64; 3], top: f64, up: usize, fluid: &FluidOptions) -> ([f64; 3], f64) {
-        let middle = self.shape().map_or([0.0; 3], |shape| {
-            let (low, high) = shape.bounds();
-            std::array::from_fn(|k| 0.5 * (low[k] + high[k]))
-        });
+    /// Velocity and pressure at a point of a fill between two corners; `up` is the axis along gravity.
+    pub(super) fn initial(
+        &self,
+        x: [f64; 3],
+        bounds: ([f64; 3], [f64; 3]),
+        up: usize,
+        fluid: &FluidOptions,
+    ) -> ([f64; 3], f64) {
+        let (low, high) = bounds;
+        let top = high[up];
+        let middle: [f64; 3] = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
         let (dx, dy) = (x[0] - middle[0], x[1] - middle[1]);
         let rate = self.rate.unwrap_or(0.0);
         let wave_number = 2.0 * PI / self.wavelength.unwrap_or(1.0);
@@ -28,8 +33,7 @@ impl FillSection {
                 (velocity, pressure)
             }
             FlowName::StandingWave => {
-                let bottom = self.low.as_ref().map_or(0.0, |low| low[up]);
-                let (depth, height) = (top - bottom, x[up] - bottom);
+                let (depth, height) = (top - low[up], x[up] - low[up]);
                 let gravity = fluid.gravity[up].abs();
                 let frequency = (gravity * wave_number * (wave_number * depth).tanh()).sqrt();
                 let size = self.amplitude.unwrap_or(0.0) * frequency / (wave_number * depth).sinh();

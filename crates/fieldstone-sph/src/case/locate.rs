@@ -6,8 +6,7 @@ pub(super) fn line_of(text: &str, section: &str, nth: usize, key: &str) -> usize
     let mut head = 1;
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
-        if line.starts_with('[') {
-            let name = line.trim_start_matches('[').split(']').next().unwrap_or_default().trim();
+        if let Some(name) = head_of(line) {
             inside = name == section && seen == nth;
             if name == section {
                 seen += 1;
@@ -22,9 +21,21 @@ pub(super) fn line_of(text: &str, section: &str, nth: usize, key: &str) -> usize
     head
 }
 
+/// Name of the table in which a line, from 1, stands; nothing before the first head.
+pub(super) fn section_at(text: &str, line: usize) -> Option<&str> {
+    text.lines().take(line).filter_map(|line| head_of(line.trim())).last()
+}
+
+/// Name of a table's head; a line of an array may begin with a bracket, too.
+fn head_of(line: &str) -> Option<&str> {
+    let name = line.strip_prefix('[')?.trim_start_matches('[').split(']').next()?.trim();
+    let bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    (name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(bare)).then_some(name)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::line_of;
+    use super::{line_of, section_at};
 
     #[test]
     fn keys_are_found_in_the_table_that_was_meant() {
@@ -34,5 +45,13 @@ mod tests {
         assert_eq!(line_of(text, "fluid", 0, "alpha"), 2);
         assert_eq!(line_of(text, "fill", 1, "shape"), 7);
         assert_eq!(line_of(text, "nowhere", 0, "x"), 1);
+    }
+
+    #[test]
+    fn rows_of_an_array_are_no_heads() {
+        let text = "[[body]]\nmotion = [\n[0, 0.0, 0],\n  [1, 1, 0],\n]\nslip = 1\n[[body]]\nslip = 2\n";
+        assert_eq!(line_of(text, "body", 0, "slip"), 6);
+        assert_eq!(line_of(text, "body", 1, "slip"), 8);
+        assert_eq!((section_at("x = 1\n[a]", 1), section_at(text, 4)), (None, Some("body")));
     }
 }

@@ -2,14 +2,17 @@
 
 mod flows;
 mod locate;
+mod motion;
 mod sections;
 mod shipped;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use fieldstone_surface::{Method, Wall};
 use serde::Deserialize;
 
+pub use motion::MotionSection;
 pub use sections::{
     AxisName, BodySection, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind, GaugeSection,
     OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection, WallKind, WallSection,
@@ -17,10 +20,11 @@ pub use sections::{
 pub use shipped::{SHIPPED, ShippedCase};
 
 use crate::{
-    Body, Boundaries, Flow, FluidOptions, Integrator, MirrorWall, Shape, ShiftingOptions, Solver, SphError, State,
-    TimeStepOptions, Viscosity,
+    Body, Boundaries, ClosedSurface, Flow, FluidOptions, Integrator, MirrorWall, Motion, Shape, ShiftingOptions,
+    Solver, SphError, State, TimeStepOptions, Viscosity,
 };
-use locate::line_of;
+use locate::{line_of, section_at};
+use sections::{ShapeKeys, SurfaceKeys};
 
 /// A case file: fluid, domain, what is filled, walls, bodies, output.
 ///
@@ -40,6 +44,8 @@ pub struct Case {
     pub sections: Sections,
     text: String,
     file: String,
+    /// Surfaces that fills and bodies name, read once.
+    surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)>,
 }
 
 /// The tables of a case file.
@@ -91,7 +97,7 @@ impl Case {
         Self::parse(&text, &file)
     }
 
-    /// Parses the text of a case file; `file` is its name in messages.
+    /// Parses the text of a case file; `file` is its name in messages, and files that it names are looked for beside it.
     ///
     /// # Errors
     /// [`SphError::Case`] with the line: an unknown key, a value of the wrong kind or out of range.
@@ -99,9 +105,16 @@ impl Case {
         let sections: Sections = toml::from_str(text).map_err(|e| {
             let start = e.span().map_or(0, |span| span.start.min(text.len()));
             let line = text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1;
-            SphError::Case { file: file.into(), line, message: e.message().trim_end().replace('\n', " ") }
+            let mut message = e.message().trim_end().replace('\n', " ");
+            let freely =
+                ["mass", "inertia", "density", "velocity", "floating"].map(|key| format!("unknown field `{key}`"));
+            if section_at(text, line) == Some("body") && freely.iter().any(|start| message.starts_with(start)) {
+                message.push_str("; bodies rest or follow their motion's table: floating bodies are out of scope");
+            }
+            SphError::Case { file: file.into(), line, message }
         })?;
-        let case = Self { sections, text: text.into(), file: file.into() };
+        let mut case = Self { sections, text: text.into(), file: file.into(), surfaces: Vec::new() };
+        case.read_surfaces()?;
         case.check()?;
         Ok(case)
     }
@@ -155,11 +168,7 @@ impl Case {
             return Err(self.fault("fluid", 0, "alpha", "both viscosity and alpha are given; give one of them"));
         }
         for (nth, fill) in s.fill.iter().enumerate() {
-            fill.shape().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
             fill.check_flow().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
-        }
-        for (nth, body) in s.body.iter().enumerate() {
-            body.shape().map_err(|(key, message)| self.fault("body", nth, key, message))?;
         }
         for (nth, wall) in s.wall.iter().enumerate() {
             let plane = wall.kind == WallKind::Plane;
@@ -256,7 +265,7 @@ impl Case {
     fn placed(&self, error: SphError) -> SphError {
         let (section, nth, key) = match &error {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
-            SphError::ThinBody { body, .. } => ("body", *body, "shape"),
+            SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
             SphError::TooNarrow { .. } => ("domain", 0, "high"),
             SphError::Option { name, .. } => match *name {
                 "h/Δx" => ("fluid", 0, "smoothing"),
@@ -334,10 +343,67 @@ impl Case {
             }
         }
         for (nth, body) in s.body.iter().enumerate() {
-            let shape = body.shape().map_err(|(key, message)| self.fault("body", nth, key, message))?;
-            boundaries.bodies.push(Body { shape, slip: body.slip.into() });
+            let shape = self.shape("body", nth, &body.keys())?;
+            boundaries.bodies.push(Body { motion: self.motion(nth)?, ..Body::new(shape, body.slip.into()) });
         }
         Ok(boundaries)
+    }
+
+    /// The shape of the nth fill or body.
+    fn shape(&self, section: &str, nth: usize, keys: &ShapeKeys) -> Result<Shape, SphError> {
+        let placed = |(key, message): (&str, String)| self.fault(section, nth, key, message);
+        let Some(wanted) = keys.surface().map_err(placed)? else { return keys.plain().map_err(placed) };
+        let known = self.surfaces.iter().find(|(keys, _)| *keys == wanted).map(|(_, surface)| Arc::clone(surface));
+        Ok(Shape::Surface(known.map_or_else(|| self.surface(section, nth, &wanted), Ok)?))
+    }
+
+    /// Reads each surface once: flow and state ask for it again and again.
+    fn read_surfaces(&mut self) -> Result<(), SphError> {
+        let fills = self.sections.fill.iter().map(FillSection::keys).enumerate().map(|(nth, keys)| ("fill", nth, keys));
+        let bodies =
+            self.sections.body.iter().map(BodySection::keys).enumerate().map(|(nth, keys)| ("body", nth, keys));
+        let mut surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)> = Vec::new();
+        for (section, nth, keys) in fills.chain(bodies) {
+            let wanted = keys.surface().map_err(|(key, message)| self.fault(section, nth, key, message))?;
+            if let Some(wanted) = wanted.filter(|wanted| surfaces.iter().all(|(keys, _)| keys != wanted)) {
+                let surface = self.surface(section, nth, &wanted)?;
+                surfaces.push((wanted, surface));
+            }
+        }
+        self.surfaces = surfaces;
+        Ok(())
+    }
+
+    fn surface(&self, section: &str, nth: usize, keys: &SurfaceKeys) -> Result<Arc<ClosedSurface>, SphError> {
+        if self.sections.dimension == 2 {
+            let message = "a surface bounds a solid in three dimensions only; take a box, cylinder or sphere";
+            return Err(self.fault(section, nth, "shape", message));
+        }
+        let path = self.beside(&keys.file);
+        let placed = |message: String| self.fault(section, nth, "file", message);
+        let (mut points, triangles) = fieldstone_io::read_stl(&path).map_err(|e| placed(e.to_string()))?;
+        for point in &mut points {
+            *point = std::array::from_fn(|k| keys.scale * point[k] + keys.offset[k]);
+        }
+        let surface = ClosedSurface::new(points, triangles);
+        surface.map(Arc::new).map_err(|e| placed(format!("{}: {e}", path.display())))
+    }
+
+    /// The motion of a body, from its rows or its file.
+    fn motion(&self, nth: usize) -> Result<Option<Motion>, SphError> {
+        let dimension = self.sections.dimension;
+        match &self.sections.body[nth].motion {
+            None => Ok(None),
+            Some(MotionSection::File(name)) => motion::read_table(&self.beside(name), dimension).map(Some),
+            Some(MotionSection::Rows(rows)) => MotionSection::of_rows(rows, dimension)
+                .map(Some)
+                .map_err(|message| self.fault("body", nth, "motion", message)),
+        }
+    }
+
+    /// Path of a file that is named in the case: from the case's own folder.
+    fn beside(&self, name: &str) -> PathBuf {
+        Path::new(&self.file).parent().unwrap_or(Path::new("")).join(name)
     }
 
     /// The particles at the start: each fill's lattice, without what lies in bodies.
@@ -350,22 +416,22 @@ impl Case {
         let mut state = State::default();
         let mut shapes: Vec<Shape> = Vec::new();
         for (nth, fill) in s.fill.iter().enumerate() {
-            let shape = fill.shape().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
+            let shape = self.shape("fill", nth, &fill.keys())?;
             let (points, _) = shape.lattice(s.spacing, s.dimension);
-            let top = shape.bounds().1[self.up()];
+            let bounds = shape.bounds();
             for x in points {
-                if flow.boundaries.bodies.iter().any(|b| b.shape.depth(x, s.dimension) > 0.0) {
+                if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
                     continue;
                 }
                 if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {
                     let message = format!("the fill leaves the domain at {x:?}; enlarge one or shrink the other");
                     return Err(self.fault("fill", nth, "shape", message));
                 }
-                if let Some(other) = shapes.iter().position(|s2| s2.depth(x, s.dimension) > 0.0) {
+                if let Some(other) = shapes.iter().position(|s2| s2.contains(x, s.dimension)) {
                     let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
                     return Err(self.fault("fill", nth, "shape", message));
                 }
-                let (velocity, pressure) = fill.initial(x, top, self.up(), &flow.fluid);
+                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid);
                 state.x.push(x);
                 state.u.push(velocity);
                 state.density.push(flow.fluid.density_at(pressure));

@@ -1,5 +1,6 @@
 use serde::Deserialize;
 
+use super::MotionSection;
 use crate::{Shape, Slip};
 
 type Fault = (&'static str, String);
@@ -124,6 +125,8 @@ pub enum ShapeName {
     Cylinder,
     /// `centre`, `radius`.
     Sphere,
+    /// `file`, `scale`, `offset`.
+    Stl,
 }
 
 fn point(key: &'static str, given: Option<&Vec<f64>>) -> Result<[f64; 3], Fault> {
@@ -144,7 +147,71 @@ fn length(key: &'static str, given: Option<f64>) -> Result<f64, Fault> {
     }
 }
 
-fn shape(
+/// A surface in a file, as a fill or body names it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SurfaceKeys {
+    pub(super) file: String,
+    pub(super) scale: f64,
+    pub(super) offset: [f64; 3],
+}
+
+/// What a fill and a body say of their shape.
+pub(super) struct ShapeKeys<'a> {
+    name: ShapeName,
+    low: Option<&'a Vec<f64>>,
+    high: Option<&'a Vec<f64>>,
+    centre: Option<&'a Vec<f64>>,
+    radius: Option<f64>,
+    length: Option<f64>,
+    axis: Option<AxisName>,
+    file: Option<&'a String>,
+    scale: Option<f64>,
+    offset: Option<&'a Vec<f64>>,
+}
+
+/// The keys of a shape in a section that has all of them.
+macro_rules! shape_keys {
+    ($section:expr) => {
+        ShapeKeys {
+            name: $section.shape,
+            low: $section.low.as_ref(),
+            high: $section.high.as_ref(),
+            centre: $section.centre.as_ref(),
+            radius: $section.radius,
+            length: $section.length,
+            axis: $section.axis,
+            file: $section.file.as_ref(),
+            scale: $section.scale,
+            offset: $section.offset.as_ref(),
+        }
+    };
+}
+
+impl ShapeKeys<'_> {
+    /// The surface's file, where the shape is one.
+    pub(super) fn surface(&self) -> Result<Option<SurfaceKeys>, Fault> {
+        if self.name != ShapeName::Stl {
+            let stray =
+                [("file", self.file.is_some()), ("scale", self.scale.is_some()), ("offset", self.offset.is_some())];
+            return match stray.into_iter().find(|(_, given)| *given) {
+                Some((key, _)) => Err((key, format!("{key} belongs to shape = \"stl\""))),
+                None => Ok(None),
+            };
+        }
+        let file = self.file.ok_or_else(|| ("shape", "this shape needs file".to_string()))?.clone();
+        let scale = if self.scale.is_some() { length("scale", self.scale)? } else { 1.0 };
+        let offset = if self.offset.is_some() { point("offset", self.offset)? } else { [0.0; 3] };
+        Ok(Some(SurfaceKeys { file, scale, offset }))
+    }
+
+    /// A shape that is no surface.
+    pub(super) fn plain(&self) -> Result<Shape, Fault> {
+        let Self { name, low, high, centre, radius, length: extent, axis, .. } = *self;
+        plain_shape(name, [low, high, centre], radius, extent, axis)
+    }
+}
+
+fn plain_shape(
     name: ShapeName,
     [low, high, centre]: [Option<&Vec<f64>>; 3],
     radius: Option<f64>,
@@ -152,6 +219,7 @@ fn shape(
     axis: Option<AxisName>,
 ) -> Result<Shape, Fault> {
     Ok(match name {
+        ShapeName::Stl => return Err(("shape", "this shape is a surface".into())),
         ShapeName::Box => {
             let (low, high) = (point("low", low)?, point("high", high)?);
             if (0..2).any(|k| low[k] >= high[k]) || low[2] > high[2] {
@@ -224,6 +292,12 @@ pub struct FillSection {
     pub length: Option<f64>,
     /// Of a cylinder.
     pub axis: Option<AxisName>,
+    /// Of a surface: name of its file, from the case's folder.
+    pub file: Option<String>,
+    /// Of a surface: factor of its coordinates, above 0; 1.
+    pub scale: Option<f64>,
+    /// Of a surface: added after scaling; 0.
+    pub offset: Option<Vec<f64>>,
     /// Initial flow.
     #[serde(default)]
     pub flow: FlowName,
@@ -247,9 +321,8 @@ fn no_pressure() -> Pressure {
 }
 
 impl FillSection {
-    pub(super) fn shape(&self) -> Result<Shape, Fault> {
-        let points = [self.low.as_ref(), self.high.as_ref(), self.centre.as_ref()];
-        shape(self.shape, points, self.radius, self.length, self.axis)
+    pub(super) fn keys(&self) -> ShapeKeys<'_> {
+        shape_keys!(self)
     }
 
     pub(super) fn check_flow(&self) -> Result<(), Fault> {
@@ -336,15 +409,22 @@ pub struct BodySection {
     pub length: Option<f64>,
     /// Of a cylinder.
     pub axis: Option<AxisName>,
+    /// Of a surface: name of its file, from the case's folder.
+    pub file: Option<String>,
+    /// Of a surface: factor of its coordinates, above 0; 1.
+    pub scale: Option<f64>,
+    /// Of a surface: added after scaling; 0.
+    pub offset: Option<Vec<f64>>,
     /// Friction.
     #[serde(default)]
     pub slip: SlipName,
+    /// How it moves; at rest where absent.
+    pub motion: Option<MotionSection>,
 }
 
 impl BodySection {
-    pub(super) fn shape(&self) -> Result<Shape, Fault> {
-        let points = [self.low.as_ref(), self.high.as_ref(), self.centre.as_ref()];
-        shape(self.shape, points, self.radius, self.length, self.axis)
+    pub(super) fn keys(&self) -> ShapeKeys<'_> {
+        shape_keys!(self)
     }
 }
 

@@ -59,4 +59,5 @@ pub const SHIPPED: &[ShippedCase] = shipped![
     "rotating-patch",
     "elliptic-drop",
     "standing-wave",
+    "piston",
 ];

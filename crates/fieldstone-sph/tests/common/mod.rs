@@ -1,7 +1,7 @@
 //! Flows that several tests use.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Shape, Slip, Solver, State};
+use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Motion, Shape, Slip, Solver, State};
 use fieldstone_surface::Wall;
 
 /// A state on the lattice of shapes, with velocity and pressure as functions of the position.
@@ -62,4 +62,20 @@ pub fn bits(solver: &Solver) -> Vec<u64> {
         .iter()
         .flat_map(|&i| state.x[i].into_iter().chain(state.u[i]).chain([state.density[i]]).map(f64::to_bits))
         .collect()
+}
+
+/// A smooth start to a constant speed along an axis, by 200 rows.
+pub fn ramped(axis: usize, speed: f64, rise: f64, end: f64) -> Motion {
+    let rows: Vec<(f64, [f64; 3])> = (0..=200)
+        .map(|n| {
+            let t = end * f64::from(n) / 200.0;
+            // u = U (1 − cos(π t/T))/2 up to T.
+            let k = std::f64::consts::PI / rise;
+            let x = if t < rise { 0.5 * speed * (t - (k * t).sin() / k) } else { speed * (t - 0.5 * rise) };
+            let mut displacement = [0.0; 3];
+            displacement[axis] = x;
+            (t, displacement)
+        })
+        .collect();
+    Motion::new(&rows).unwrap()
 }
