@@ -46,6 +46,7 @@ mod boundary_forces;
 mod case;
 mod cells;
 mod checkpoint;
+mod cluster;
 mod density_gradient;
 mod energy;
 mod error;

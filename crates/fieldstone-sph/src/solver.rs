@@ -93,7 +93,7 @@ impl Detector {
 /// Holds the state, the neighbour lists and what the run has gained and lost. Results do not depend on the number of
 /// threads: every particle gathers its own sums, in the order of its list.
 ///
-/// Memory: about 1.9 kB per particle for h/Δx = 2 in three dimensions, three quarters of it neighbour lists
+/// Memory: about 1.2 kB per particle for h/Δx = 2 in three dimensions, a third of it neighbour lists
 /// ([`bytes`](Self::bytes) tells).
 ///
 /// A drop in free flight keeps its momentum:
@@ -221,7 +221,7 @@ impl Solver {
         solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
         if !snapshot.lists_due {
-            solver.stage.build(&snapshot.built_at, &solver.flow);
+            solver.stage.build(&snapshot.built_at, &solver.flow)?;
         }
         Ok(solver)
     }
@@ -343,7 +343,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn mean_neighbours(&mut self) -> Result<f64, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
         let points = &self.stage.points;
         let mut counts = vec![0u32; self.state.len()];
         points.fluid_list.sum(&NeighbourCount::new(self.flow.fluid.kernel().reach(), &points.carriers), &mut counts);
@@ -363,7 +363,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
         Ok(self.stage.rates.iter().map(|r| r.acceleration).collect())
     }
 
@@ -372,7 +372,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn boundary_forces(&mut self) -> Result<BoundaryForces, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
         Ok(boundary_forces(&self.stage.points, &self.flow.fluid, self.flow.boundaries.bodies.len()))
     }
 
@@ -381,7 +381,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
         Ok(self.step_length())
     }
 
@@ -401,10 +401,10 @@ impl Solver {
     /// without an opening; the detection's errors. The state then is that of the failure, for a look.
     pub fn step(&mut self) -> Result<f64, SphError> {
         if self.lists_due {
-            self.list_anew();
+            self.list_anew()?;
         }
         let before = self.stage.displacement(&self.state.x);
-        self.stage.evaluate(&self.state, &self.flow, &self.free);
+        self.stage.evaluate(&self.state, &self.flow, &self.free)?;
         let mut clock = Instant::now();
         let dt = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
@@ -435,7 +435,7 @@ impl Solver {
     }
 
     /// Wraps periodic positions, puts the particles in order where that is due, and lists neighbours.
-    fn list_anew(&mut self) {
+    fn list_anew(&mut self) -> Result<(), SphError> {
         let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
         for axis in (0..3).filter(|&k| periodic[k]) {
             let length = high[axis] - low[axis];
@@ -455,8 +455,9 @@ impl Solver {
             self.forget_witnesses();
             self.order_due = self.steps + ORDER_LASTS;
         }
-        self.stage.build(&self.state.x, &self.flow);
+        self.stage.build(&self.state.x, &self.flow)?;
         self.lists_due = false;
+        Ok(())
     }
 
     fn forget_witnesses(&mut self) {
@@ -484,7 +485,7 @@ impl Solver {
         self.fit_middle();
         self.predict(0.5 * dt);
         self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, &self.flow, &self.free);
+        self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
         clock = Instant::now();
         self.book(dt);
         let (state, rates) = (&mut self.state, &self.stage.rates);
@@ -518,7 +519,7 @@ impl Solver {
             };
             self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
             self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, &self.flow, &self.free);
+            self.stage.evaluate(&self.middle, &self.flow, &self.free)?;
             clock = Instant::now();
             self.book(weight * dt / 6.0);
             let latest = self.stage.rates.par_iter().zip(&self.middle.u);
@@ -645,7 +646,7 @@ impl Solver {
 
     /// Labels the free surface of the present state.
     fn detect(&mut self) -> Result<(), SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow);
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let (positions, candidates, volumes) = self.surroundings();
         let Some(detector) = &mut self.detector else { return Ok(()) };
@@ -678,7 +679,7 @@ impl Solver {
 
     fn shift(&mut self) -> Result<(), SphError> {
         let Some(shifting) = &self.flow.shifting else { return Ok(()) };
-        self.stage.ensure_lists(&self.state.x, &self.flow);
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;

@@ -1,6 +1,6 @@
 //! An order of points in which neighbours in space are neighbours in memory.
 
-use crate::neighbour_list::LANES;
+use crate::cluster::LANES;
 
 /// Points that are ordered by one task.
 const TASK: usize = 8192;
