@@ -143,9 +143,9 @@ impl Cells {
                 // Without a branch: hits and misses come in no order that a processor could predict.
                 let room = &mut places[len..len + count];
                 let mut found = 0;
-                for k in 0..count {
-                    room[found] = (from + k) as u32;
-                    found += usize::from(squares[k] <= limit);
+                for (place, square) in (from..to).zip(squares.iter()) {
+                    room[found] = place as u32;
+                    found += usize::from(*square <= limit);
                 }
                 len += found;
             }

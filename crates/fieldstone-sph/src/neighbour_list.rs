@@ -91,9 +91,9 @@ impl<P: PairSum> pulp::NullaryFnOnce for Sum<'_, P> {
         for (local, outputs) in outputs.chunks_mut(LANES).enumerate() {
             let list = &chunk.neighbours[chunk.starts[local] as usize..chunk.starts[local + 1] as usize];
             let mut members = [0; LANES];
-            for l in 0..LANES {
+            for (l, member) in members.iter_mut().enumerate() {
                 // Lanes without a receiver repeat the last one.
-                members[l] = (first + local * LANES + l.min(outputs.len() - 1)) as u32;
+                *member = (first + local * LANES + l.min(outputs.len() - 1)) as u32;
             }
             let sums = pass.of(&members, list);
             outputs.copy_from_slice(&sums[..outputs.len()]);

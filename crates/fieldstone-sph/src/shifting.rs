@@ -64,9 +64,9 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
             let [x, y, z, _, away, ..] = self.carriers[j as usize];
             // Few are on the free surface.
             if away == 0.0 {
-                for l in 0..LANES {
+                for (l, closest) in closest.iter_mut().enumerate() {
                     let s = at.square(l, x, y, z) * self.inverse_square;
-                    closest[l] = if s < closest[l] { s } else { closest[l] };
+                    *closest = if s < *closest { s } else { *closest };
                 }
             }
         }
