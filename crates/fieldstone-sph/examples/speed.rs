@@ -5,8 +5,9 @@
 //! ```
 //!
 //! The arguments are the particles along each edge of a falling column, h/Δx, the steps, the threads, the time at which
-//! measuring begins (0.3 s: the front is fast, and lists are built often), and the lists' margin over Δx. Run are: without detection and shifting, then with both. Ghosts are not counted as work done; the rate is that of the
-//! processor time of all threads, so a busy machine hardly matters.
+//! measuring begins (0.2 s: the front is fast, and lists are built often), and the lists' margin over Δx. Run are:
+//! without detection and shifting, then with both. Ghosts are not counted as work done; the rate is that of the
+//! processor time of all threads, so a busy machine matters less, the time per phase is that of the clock.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Instant;

@@ -1,11 +1,12 @@
 //! Which time steps the integrators bear, what they cost, and what they change: the dam-break slab.
 //!
 //! ```sh
-//! cargo run --release -p fieldstone-sph --example time_step -- 0.04 0.6 symplectic:0.25 rk4:1.0 rk4:1.5:0.5
+//! cargo run --release -p fieldstone-sph --example time_step -- 0.04 0.6 symplectic:0.25 rk4:1.0 rk4:1.5:1.5:0.2
 //! ```
 //!
-//! The arguments are the spacing, the end time, and for each run an integrator with its CFL number and, after a second
-//! colon, the k_CFL of the shifting (by default the CFL number, so that particles are shifted as far per unit of time).
+//! The arguments are the spacing, the end time, and for each run an integrator with its CFL number, the k_CFL of the
+//! shifting (by default the CFL number, so that particles are shifted as far per unit of time) and the lists' margin
+//! over Δx. A row is printed every 0.1 s.
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_sph::{Integrator, SHIPPED, Solver, front};

@@ -1,7 +1,7 @@
 use rayon::prelude::*;
 
 use crate::FluidOptions;
-use crate::kernel::{TINY, inverse_root};
+use crate::cluster::{TINY, inverse_root};
 use crate::points::{Kind, Points};
 
 /// Particles per task.

@@ -1,8 +1,8 @@
 use glam::{DMat3, DVec3};
 
 use crate::FluidOptions;
-use crate::kernel::{Distances, Receivers, improved};
-use crate::neighbour_list::{BLOCK, LANES, PairSum};
+use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
+use crate::neighbour_list::PairSum;
 use crate::points::Carrier;
 
 /// Sum of a diagonal below which a particle counts as alone.
@@ -46,10 +46,10 @@ impl PairSum for DensityGradient<'_> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [[f64; 4]; LANES] {
         let zero = [0.0f64; LANES];
-        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let at = Receivers::of(members, self.carriers);
         let mut ri = zero;
         for l in 0..LANES {
-            [at.x[l], at.y[l], at.z[l], _, ri[l], ..] = self.carriers[members[l] as usize];
+            ri[l] = self.carriers[members[l] as usize][4];
         }
         let (mut xx, mut xy, mut xz, mut yy, mut yz, mut zz) = (zero, zero, zero, zero, zero, zero);
         let (mut xr, mut yr, mut zr) = (zero, zero, zero);

@@ -49,6 +49,7 @@ mod case;
 mod cells;
 mod checkpoint;
 mod closed_surface;
+mod cluster;
 mod density_gradient;
 mod energy;
 mod error;

@@ -1,4 +1,5 @@
-use crate::neighbour_list::{LANES, PairSum};
+use crate::cluster::LANES;
+use crate::neighbour_list::PairSum;
 use crate::points::Carrier;
 
 /// Counts the points within a reach, the particle itself among them.

@@ -2,14 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::cells::Cells;
-use crate::kernel::Receivers;
-
-/// Receivers of a cluster: the lanes of the sums.
-pub(crate) const LANES: usize = 8;
+use crate::cells::{Cells, Near};
+use crate::cluster::{LANES, Receivers};
 
 /// Clusters per task.
-const CHUNK: usize = 32;
+const CHUNK: usize = 16;
 
 /// Cells per reach along each axis.
 pub(crate) const CELLS_PER_REACH: f64 = 3.0;
@@ -34,15 +31,6 @@ pub(crate) struct NeighbourList {
     chunks: Vec<Chunk>,
 }
 
-/// Memory of one task.
-#[derive(Debug, Default)]
-struct Candidates {
-    /// Squares of distances from the box around a cluster.
-    squares: Vec<f64>,
-    /// Places, among the cells' points, of those within reach of the box.
-    places: Vec<u32>,
-}
-
 impl NeighbourList {
     /// Builds the lists for `count` receivers, points from `first` on.
     pub(crate) fn rebuild(&mut self, cells: &Cells, positions: &[[f64; 3]], first: usize, count: usize, reach: f64) {
@@ -50,12 +38,9 @@ impl NeighbourList {
         self.count = count;
         self.chunks.resize_with(count.div_ceil(CHUNK * LANES), Chunk::default);
         let receivers = positions[first..first + count].par_chunks(CHUNK * LANES);
-        self.chunks.par_iter_mut().zip(receivers).for_each_init(
-            Candidates::default,
-            |candidates, (chunk, receivers)| {
-                pulp::Arch::new().dispatch(Build { cells, receivers, reach, chunk, candidates });
-            },
-        );
+        self.chunks.par_iter_mut().zip(receivers).for_each_init(Near::default, |near, (chunk, receivers)| {
+            pulp::Arch::new().dispatch(Build { cells, receivers, reach, chunk, near });
+        });
     }
 
     /// Bytes that the lists take.
@@ -80,10 +65,6 @@ impl NeighbourList {
         );
     }
 }
-
-/// Neighbours per block: roots are found for a whole block before they are used, because one after the other a
-/// processor would mostly wait for them.
-pub(crate) const BLOCK: usize = 32;
 
 /// A sum over the neighbours of each receiver.
 pub(crate) trait PairSum: Sync {
@@ -110,9 +91,9 @@ impl<P: PairSum> pulp::NullaryFnOnce for Sum<'_, P> {
         for (local, outputs) in outputs.chunks_mut(LANES).enumerate() {
             let list = &chunk.neighbours[chunk.starts[local] as usize..chunk.starts[local + 1] as usize];
             let mut members = [0; LANES];
-            for l in 0..LANES {
+            for (l, member) in members.iter_mut().enumerate() {
                 // Lanes without a receiver repeat the last one.
-                members[l] = (first + local * LANES + l.min(outputs.len() - 1)) as u32;
+                *member = (first + local * LANES + l.min(outputs.len() - 1)) as u32;
             }
             let sums = pass.of(&members, list);
             outputs.copy_from_slice(&sums[..outputs.len()]);
@@ -125,21 +106,7 @@ struct Build<'a> {
     receivers: &'a [[f64; 3]],
     reach: f64,
     chunk: &'a mut Chunk,
-    candidates: &'a mut Candidates,
-}
-
-/// Distance of two intervals.
-#[inline(always)]
-fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[1]).max(b[0] - a[1]).max(0.0)
-}
-
-/// Distance of a coordinate from an interval.
-#[inline(always)]
-fn beyond(x: f64, low: f64, high: f64) -> f64 {
-    let (under, over) = (low - x, x - high);
-    let outside = if under > over { under } else { over };
-    if outside > 0.0 { outside } else { 0.0 }
+    near: &'a mut Near,
 }
 
 impl pulp::NullaryFnOnce for Build<'_> {
@@ -147,13 +114,9 @@ impl pulp::NullaryFnOnce for Build<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { cells, receivers, reach, chunk, candidates } = self;
-        let Candidates { squares, places } = candidates;
+        let Self { cells, receivers, reach, chunk, near } = self;
         let Chunk { starts, neighbours } = chunk;
-        let frame = cells.frame;
         let limit = reach * reach;
-        // Points are put into cells with rounding.
-        let padded = reach + 1e-6 * frame.width;
         starts.clear();
         starts.push(0);
         let mut len = 0;
@@ -169,54 +132,13 @@ impl pulp::NullaryFnOnce for Build<'_> {
                     high[k] = if x[k] > high[k] { x[k] } else { high[k] };
                 }
             }
-            let mut near = 0;
-            let [_, y0, z0] = [0, 1, 2].map(|k| frame.slot(k, low[k] - padded));
-            let [_, y1, z1] = [0, 1, 2].map(|k| frame.slot(k, high[k] + padded));
-            for slot_z in z0..=z1 {
-                let from = frame.low[2] + slot_z as f64 * frame.width;
-                let dz = apart([from, from + frame.width], [low[2], high[2]]);
-                for slot_y in y0..=y1 {
-                    let from = frame.low[1] + slot_y as f64 * frame.width;
-                    let dy = apart([from, from + frame.width], [low[1], high[1]]);
-                    let left = padded * padded - dy * dy - dz * dz;
-                    if left < 0.0 {
-                        continue;
-                    }
-                    let along = left.sqrt();
-                    let row = (slot_z * frame.slots[1] + slot_y) * frame.slots[0];
-                    let from = cells.starts[row + frame.slot(0, low[0] - along)] as usize;
-                    let to = cells.starts[row + frame.slot(0, high[0] + along) + 1] as usize;
-                    let count = to - from;
-                    let (xs, ys, zs) = (&cells.x[from..to], &cells.y[from..to], &cells.z[from..to]);
-                    if squares.len() < count {
-                        squares.resize(count, 0.0);
-                    }
-                    let squared = &mut squares[..count];
-                    for k in 0..count {
-                        let dx = beyond(xs[k], low[0], high[0]);
-                        let dy = beyond(ys[k], low[1], high[1]);
-                        let dz = beyond(zs[k], low[2], high[2]);
-                        squared[k] = dx * dx + dy * dy + dz * dz;
-                    }
-                    if places.len() < near + count {
-                        places.resize(near + count + 1024, 0);
-                    }
-                    // Without a branch: hits and misses come in no order that a processor could predict.
-                    let room = &mut places[near..near + count];
-                    let mut found = 0;
-                    for k in 0..count {
-                        room[found] = (from + k) as u32;
-                        found += usize::from(squared[k] <= limit);
-                    }
-                    near += found;
-                }
+            let places = cells.near_box(low, high, reach, near);
+            if neighbours.len() < len + places.len() {
+                neighbours.resize(len + places.len() + 4096, 0);
             }
-            if neighbours.len() < len + near {
-                neighbours.resize(len + near + 4096, 0);
-            }
-            let room = &mut neighbours[len..len + near];
+            let room = &mut neighbours[len..len + places.len()];
             let mut found = 0;
-            for &place in &places[..near] {
+            for &place in places {
                 let place = place as usize;
                 let (x, y, z) = (cells.x[place], cells.y[place], cells.z[place]);
                 let mut hits = 0;
@@ -230,5 +152,61 @@ impl pulp::NullaryFnOnce for Build<'_> {
             starts.push(len as u32);
         }
         neighbours.truncate(len);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers between 0 and 1.
+    fn random(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 31)
+        }
+    }
+
+    #[test]
+    fn every_list_holds_exactly_the_points_within_reach_of_a_receiver() {
+        for (dimension, far) in [(2, 1.0), (3, 1.0), (3, 1e3)] {
+            let mut next = random(7);
+            let mut positions: Vec<[f64; 3]> =
+                (0..700).map(|_| std::array::from_fn(|k| if k < dimension { next() } else { 0.0 })).collect();
+            // One far away, for which cells have to grow, and two at one place.
+            positions[350] = [far, far, 0.0];
+            positions[10] = positions[11];
+            let mut cells = Cells::default();
+            cells.rebuild(&positions, 0.03);
+            let (first, count, reach) = (100, 301, 0.1);
+            let mut list = NeighbourList::default();
+            list.rebuild(&cells, &positions, first, count, reach);
+            for cluster in 0..count.div_ceil(LANES) {
+                let members = first + cluster * LANES..(first + count).min(first + (cluster + 1) * LANES);
+                let near = |j: &u32| {
+                    members.clone().any(|i| {
+                        let (a, b) = (positions[i], positions[*j as usize]);
+                        (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() <= reach * reach
+                    })
+                };
+                let mut found = list.of(cluster * LANES).to_vec();
+                found.sort_unstable();
+                assert!(found.into_iter().eq((0..700).filter(near)), "{dimension} {far} {cluster}");
+            }
+        }
+    }
+
+    #[test]
+    fn positions_that_are_not_numbers_neither_hang_nor_panic() {
+        let mut positions = vec![[0.5; 3]; 40];
+        positions[3] = [f64::NAN; 3];
+        positions[8] = [f64::NAN, 0.0, 0.0];
+        positions[20] = [f64::INFINITY, 0.0, f64::NEG_INFINITY];
+        let mut cells = Cells::default();
+        cells.rebuild(&positions, 0.03);
+        let mut list = NeighbourList::default();
+        list.rebuild(&cells, &positions, 0, 40, 0.1);
+        assert!(list.of(32).len() >= 37);
     }
 }

@@ -1,6 +1,6 @@
 //! Fluid particles, the ghosts of bodies and images, in this order, with what the sums need of each.
 
-use fieldstone_particles::Image;
+use fieldstone_particles::{Image, ParticlesError};
 use rayon::prelude::*;
 
 use crate::cells::Cells;
@@ -156,13 +156,16 @@ impl Points {
     }
 
     /// Makes images anew and lists the neighbours of all.
-    pub(crate) fn list_neighbours(&mut self, x: &[[f64; 3]], boundaries: &Boundaries) {
+    pub(crate) fn list_neighbours(&mut self, x: &[[f64; 3]], boundaries: &Boundaries) -> Result<(), SphError> {
         self.fluid_count = x.len();
         self.ghosts.rebuild(x, boundaries, self.reach * (1.0 + 1e-9));
         self.positions.clear();
         self.positions.extend_from_slice(x);
         self.positions.extend_from_slice(&self.bodies.x);
         self.positions.extend_from_slice(&self.ghosts.positions);
+        if u32::try_from(self.positions.len()).is_err() {
+            return Err(ParticlesError::TooMany { count: self.positions.len() }.into());
+        }
         self.cells.rebuild(&self.positions, self.reach / CELLS_PER_REACH);
         let (fluid, bodies) = (self.fluid_count, self.bodies.x.len());
         self.fluid_list.rebuild(&self.cells, &self.positions, 0, fluid, self.reach);
@@ -179,6 +182,7 @@ impl Points {
         self.solid = solid;
         let touched = |&i: &u32| self.fluid_list.of(i as usize).iter().any(|&j| self.solid[j as usize]);
         self.beside = (0..fluid as u32).into_par_iter().filter(touched).collect();
+        Ok(())
     }
 
     /// Number of points.

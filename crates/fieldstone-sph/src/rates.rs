@@ -1,6 +1,6 @@
 use crate::FluidOptions;
-use crate::kernel::{Distances, Receivers, improved};
-use crate::neighbour_list::{BLOCK, LANES, PairSum};
+use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
+use crate::neighbour_list::PairSum;
 use crate::points::{Carrier, Points};
 
 /// Rates of one particle.
@@ -73,7 +73,7 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [Rate; LANES] {
         let zero = [0.0f64; LANES];
-        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let at = Receivers::of(members, self.carriers);
         let mut ri = zero;
         let (mut ui, mut vi, mut wi) = (zero, zero, zero);
         let (mut gxi, mut gyi, mut gzi) = (zero, zero, zero);
@@ -81,7 +81,7 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
         let mut own = zero;
         for l in 0..LANES {
             let i = members[l] as usize;
-            [at.x[l], at.y[l], at.z[l], _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
+            [_, _, _, _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
             [gxi[l], gyi[l], gzi[l], _] = self.gradients[i];
             let excess = ri[l] - self.rest_density;
             let free = match self.tensile {

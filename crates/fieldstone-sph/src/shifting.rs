@@ -1,5 +1,5 @@
-use crate::kernel::{Distances, Receivers, improved};
-use crate::neighbour_list::{BLOCK, LANES, PairSum};
+use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
+use crate::neighbour_list::PairSum;
 use crate::points::Carrier;
 use crate::{FluidOptions, ShiftingOptions};
 
@@ -49,10 +49,10 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
     #[inline(always)]
     fn of(&self, members: &[u32; LANES], list: &[u32]) -> [([f64; 3], u8); LANES] {
         let zero = [0.0f64; LANES];
-        let mut at = Receivers { x: zero, y: zero, z: zero };
+        let at = Receivers::of(members, self.carriers);
         let mut away = zero;
         for l in 0..LANES {
-            [at.x[l], at.y[l], at.z[l], _, away[l], ..] = self.carriers[members[l] as usize];
+            away[l] = self.carriers[members[l] as usize][4];
         }
         let mut shifts = [([0.0; 3], 0); LANES];
         if away == zero {
@@ -64,9 +64,9 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
             let [x, y, z, _, away, ..] = self.carriers[j as usize];
             // Few are on the free surface.
             if away == 0.0 {
-                for l in 0..LANES {
+                for (l, closest) in closest.iter_mut().enumerate() {
                     let s = at.square(l, x, y, z) * self.inverse_square;
-                    closest[l] = if s < closest[l] { s } else { closest[l] };
+                    *closest = if s < *closest { s } else { *closest };
                 }
             }
         }

@@ -94,7 +94,7 @@ impl Detector {
 /// Holds the state, the neighbour lists and what the run has gained and lost. Results do not depend on the number of
 /// threads: every particle gathers its own sums, in the order of its list.
 ///
-/// Memory: about 1.9 kB per particle for h/Δx = 2 in three dimensions, three quarters of it neighbour lists
+/// Memory: about 1.2 kB per particle for h/Δx = 2 in three dimensions, a third of it neighbour lists
 /// ([`bytes`](Self::bytes) tells).
 ///
 /// A drop in free flight keeps its momentum:
@@ -226,7 +226,7 @@ impl Solver {
         solver.budget = snapshot.budget;
         if !snapshot.lists_due {
             solver.stage.place_bodies(snapshot.listed_at, &solver.flow);
-            solver.stage.build(&snapshot.built_at, &solver.flow);
+            solver.stage.build(&snapshot.built_at, &solver.flow)?;
         }
         Ok(solver)
     }
@@ -355,7 +355,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn mean_neighbours(&mut self) -> Result<f64, SphError> {
-        self.evaluate();
+        self.evaluate()?;
         let points = &self.stage.points;
         let mut counts = vec![0u32; self.state.len()];
         points.fluid_list.sum(&NeighbourCount::new(self.flow.fluid.kernel().reach(), &points.carriers), &mut counts);
@@ -375,7 +375,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
-        self.evaluate();
+        self.evaluate()?;
         Ok(self.stage.rates.iter().map(|r| r.acceleration).collect())
     }
 
@@ -384,7 +384,7 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn boundary_forces(&mut self) -> Result<BoundaryForces, SphError> {
-        self.evaluate();
+        self.evaluate()?;
         Ok(self.latest_forces())
     }
 
@@ -393,13 +393,13 @@ impl Solver {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
-        self.evaluate();
+        self.evaluate()?;
         Ok(self.step_length())
     }
 
     /// Rates of the present state.
-    fn evaluate(&mut self) {
-        self.stage.evaluate(&self.state, self.time, &self.flow, &self.free);
+    fn evaluate(&mut self) -> Result<(), SphError> {
+        self.stage.evaluate(&self.state, self.time, &self.flow, &self.free)
     }
 
     /// Forces on walls and bodies in the latest evaluation.
@@ -431,11 +431,11 @@ impl Solver {
     /// without an opening; the detection's errors. The state then is that of the failure, for a look.
     pub fn step(&mut self) -> Result<f64, SphError> {
         if self.lists_due {
-            self.list_anew();
+            self.list_anew()?;
         }
         self.stage.place_bodies(self.time, &self.flow);
         let before = self.stage.displacement(&self.state.x);
-        self.evaluate();
+        self.evaluate()?;
         let mut clock = Instant::now();
         let dt = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
@@ -467,7 +467,7 @@ impl Solver {
     }
 
     /// Wraps periodic positions, puts the particles in order where that is due, and lists neighbours.
-    fn list_anew(&mut self) {
+    fn list_anew(&mut self) -> Result<(), SphError> {
         let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
         for axis in (0..3).filter(|&k| periodic[k]) {
             let length = high[axis] - low[axis];
@@ -488,8 +488,9 @@ impl Solver {
             self.order_due = self.steps + ORDER_LASTS;
         }
         self.stage.place_bodies(self.time, &self.flow);
-        self.stage.build(&self.state.x, &self.flow);
+        self.stage.build(&self.state.x, &self.flow)?;
         self.lists_due = false;
+        Ok(())
     }
 
     fn forget_witnesses(&mut self) {
@@ -517,7 +518,7 @@ impl Solver {
         self.fit_middle();
         self.predict(0.5 * dt);
         self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.free);
+        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.free)?;
         clock = Instant::now();
         self.book(dt);
         let (state, rates) = (&mut self.state, &self.stage.rates);
@@ -551,7 +552,7 @@ impl Solver {
             };
             self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
             self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.free);
+            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.free)?;
             clock = Instant::now();
             self.book(weight * dt / 6.0);
             let latest = self.stage.rates.par_iter().zip(&self.middle.u);
@@ -689,7 +690,7 @@ impl Solver {
 
     /// Labels the free surface of the present state.
     fn detect(&mut self) -> Result<(), SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow);
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let (positions, candidates, volumes) = self.surroundings();
         let Some(detector) = &mut self.detector else { return Ok(()) };
@@ -722,7 +723,7 @@ impl Solver {
 
     fn shift(&mut self) -> Result<(), SphError> {
         let Some(shifting) = &self.flow.shifting else { return Ok(()) };
-        self.stage.ensure_lists(&self.state.x, &self.flow);
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;

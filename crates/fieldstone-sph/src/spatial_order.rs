@@ -1,6 +1,6 @@
 //! An order of points in which neighbours in space are neighbours in memory.
 
-use crate::neighbour_list::LANES;
+use crate::cluster::LANES;
 
 /// Points that are ordered by one task.
 const TASK: usize = 8192;
@@ -49,6 +49,7 @@ fn halve(points: &mut [([f64; 3], u32)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn every_eight_of_a_shuffled_lattice_fill_a_cube_of_two() {
@@ -61,10 +62,10 @@ mod tests {
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..4096));
         for eight in order.chunks(LANES) {
-            for k in 0..3 {
-                let along = eight.iter().map(|&i| x[i as usize][k]);
-                assert_eq!(along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min), 1.0);
-            }
+            let corners = |pick: fn(DVec3, DVec3) -> DVec3| {
+                eight.iter().map(|&i| DVec3::from_array(x[i as usize])).reduce(pick).unwrap()
+            };
+            assert_eq!(corners(DVec3::max) - corners(DVec3::min), DVec3::ONE);
         }
     }
 

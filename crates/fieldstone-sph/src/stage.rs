@@ -58,14 +58,15 @@ impl Stage {
     }
 
     /// Builds the lists for positions.
-    pub(crate) fn build(&mut self, x: &[[f64; 3]], flow: &Flow) {
+    pub(crate) fn build(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
         let mut clock = Instant::now();
-        self.points.list_neighbours(x, &flow.boundaries);
+        self.points.list_neighbours(x, &flow.boundaries)?;
         self.built_at.clear();
         self.built_at.extend_from_slice(x);
         self.listed_at = self.placed_at;
         self.phases.lists_built += 1;
         self.phases.add(Phase::Neighbours, &mut clock);
+        Ok(())
     }
 
     /// Largest distance of a particle, or of a body, from where the lists were built.
@@ -82,17 +83,15 @@ impl Stage {
     }
 
     /// Builds the lists where a particle may have moved out of them.
-    pub(crate) fn ensure_lists(&mut self, x: &[[f64; 3]], flow: &Flow) {
+    pub(crate) fn ensure_lists(&mut self, x: &[[f64; 3]], flow: &Flow) -> Result<(), SphError> {
         // A position that is not a number moves no maximum; the check after the step names it.
-        if 2.0 * self.displacement(x) > self.skin {
-            self.build(x, flow);
-        }
+        if 2.0 * self.displacement(x) > self.skin { self.build(x, flow) } else { Ok(()) }
     }
 
     /// Rates of a state at a time; `free` marks the free surface for tensile control.
-    pub(crate) fn evaluate(&mut self, state: &State, time: f64, flow: &Flow, free: &[u8]) {
+    pub(crate) fn evaluate(&mut self, state: &State, time: f64, flow: &Flow, free: &[u8]) -> Result<(), SphError> {
         self.place_bodies(time, flow);
-        self.ensure_lists(&state.x, flow);
+        self.ensure_lists(&state.x, flow)?;
         let mut clock = Instant::now();
         let fluid = &flow.fluid;
         self.points.fill_carriers(state, fluid.particle_mass());
@@ -121,5 +120,6 @@ impl Stage {
             (self.tension_power, self.tension_force) = self.tension.add(fluid, points, &mut self.rates);
         }
         self.phases.add(Phase::Rates, &mut clock);
+        Ok(())
     }
 }
