@@ -196,6 +196,8 @@ low = [0.3, -0.1]
 high = [0.4, 0.4]
 motion = {motion}
 [shifting]
+[output]
+every = 0.2
 [[gauge]]
 name = "gate"
 kind = "force"
