@@ -6,10 +6,10 @@ mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use common::{bits, dam_break, ramped, run, state, tank};
+use common::{alone, bits, dam_break, ramped, run_alone as run, state, tank};
 use fieldstone_sph::{
-    Body, Case, Flow, FluidOptions, Motion, Outcome, RunFolder, Shape, ShiftingOptions, Slip, Solver, Viscosity,
-    run as run_case,
+    Body, Case, Flow, FluidOptions, Motion, Outcome, RunFolder, Shape, ShiftingOptions, Slip, Solver, SphError,
+    Viscosity, run as run_case,
 };
 
 #[test]
@@ -166,6 +166,16 @@ fn the_time_step_follows_the_body_also_where_the_fluid_still_rests() {
     assert!((allowed / (0.25 * fluid.h() / 200.0) - 1.0).abs() < 1e-12, "{allowed} {start}");
 }
 
+fn run_alone_to_its_end(
+    case: &Case,
+    folder: &RunFolder,
+    resume: bool,
+    interrupt: &AtomicBool,
+    watch: impl FnMut(&Solver) + Send,
+) -> Result<Outcome, SphError> {
+    alone(|| run_case(case, folder, resume, interrupt, watch))
+}
+
 /// Water behind a gate that opens, with everything on; `motion` as it stands in the file.
 fn gate(motion: &str, end: f64) -> String {
     format!(
@@ -225,19 +235,19 @@ fn a_run_with_a_gate_that_was_stopped_and_resumed_ends_with_the_same_bits() {
     let folder = |name: &str| RunFolder::create(&space.path().join(name)).unwrap();
     let never = AtomicBool::new(false);
     let whole = folder("whole");
-    assert_eq!(run_case(&by_file, &whole, false, &never, |_| ()).unwrap(), Outcome::Finished);
+    assert_eq!(run_alone_to_its_end(&by_file, &whole, false, &never, |_| ()).unwrap(), Outcome::Finished);
     let parts = folder("parts");
     // While the gate rests, starts, runs and has gone.
     for (nth, steps) in [250, 60, 151, 7].into_iter().enumerate() {
         let stop = AtomicBool::new(false);
         let mut made = 0;
-        let outcome = run_case(&inline, &parts, nth > 0, &stop, |_| {
+        let outcome = run_alone_to_its_end(&inline, &parts, nth > 0, &stop, |_| {
             made += 1;
             stop.store(made >= steps, Ordering::Relaxed);
         });
         assert_eq!(outcome.unwrap(), Outcome::Interrupted);
     }
-    assert_eq!(run_case(&inline, &parts, true, &never, |_| ()).unwrap(), Outcome::Finished);
+    assert_eq!(run_alone_to_its_end(&inline, &parts, true, &never, |_| ()).unwrap(), Outcome::Finished);
     let bytes = |folder: &RunFolder| std::fs::read(folder.checkpoint()).unwrap();
     assert!(bytes(&whole) == bytes(&parts));
     let table = |folder: &RunFolder| std::fs::read_to_string(folder.gauges()).unwrap();
