@@ -1,6 +1,8 @@
 //! Bodies and fills bounded by triangles, against the same solids as shapes.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
@@ -80,8 +82,8 @@ fn a_box_of_triangles_is_the_same_body_to_the_bit_as_the_box_moving_or_not() {
     let resting = shipped("obstacle", 0.03);
     assert!(resting.contains(keys));
     // Next to the water, so that its ghosts act from the first step.
-    let moving = format!("{keys}\nmotion = [[0, 0, 0, 0], [0.01, 0, 0, 0], [0.1, -0.05, 0, 0]]");
-    for (body, steps) in [(keys.to_string(), 3), (moving, 20)] {
+    let moving = format!("{keys}\nmotion = [[0, 0, 0, 0], [0.1, -0.05, 0, 0]]");
+    for (body, steps) in [(keys.to_string(), 3), (moving, 6)] {
         let deep = resting.replace(keys, &body).replace("high = [0.4, 0.6, 0.3]", "high = [0.9, 0.6, 0.3]");
         let deep = deep.replace("low = [0.9, 0.24, -0.09]", "low = [0.9, 0.24, -0.18]");
         let triangles = deep.replace(
@@ -93,11 +95,9 @@ fn a_box_of_triangles_is_the_same_body_to_the_bit_as_the_box_moving_or_not() {
         for text in [deep, triangles] {
             std::fs::write(&path, text).unwrap();
             let mut solver = Case::read(&path).unwrap().solver().unwrap();
-            for _ in 0..steps {
-                solver.step().unwrap();
-            }
+            common::alone(|| (0..steps).for_each(|_| assert!(solver.step().unwrap() > 0.0)));
             let force = solver.boundary_forces().unwrap().bodies[0];
-            assert!(force[0] > 1.0, "{force:?}");
+            assert!(force[0].abs() > 1.0, "{force:?}");
             found.push((solver.ghost_count(), force.map(f64::to_bits), bits(&solver)));
         }
         assert!(found[0] == found[1]);
@@ -129,10 +129,10 @@ fn a_column_of_triangles_starts_with_the_free_surface_of_the_box() {
 fn a_ball_of_triangles_is_the_sphere_but_for_what_lies_between_facets_and_sphere() {
     let (centre, radius) = ([0.3, -0.2, 1.1], 0.5);
     let sphere = Shape::Sphere { centre, radius };
-    let (points, triangles) = ball(centre, radius, 24);
+    let (points, triangles) = ball(centre, radius, 8);
     let surface = ClosedSurface::new(points, triangles).unwrap();
-    // Facets lie inside the sphere by the rise of two arcs of 7.5°, along and across.
-    let sagitta = 2.0 * radius * (1.0 - (std::f64::consts::PI / 48.0).cos());
+    // Facets lie inside the sphere by the rise of two arcs of 22.5°, along and across.
+    let sagitta = 2.0 * radius * (1.0 - (std::f64::consts::PI / 16.0).cos());
     let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
     assert!(surface.volume() < volume && surface.volume() > volume * (1.0 - 4.0 * sagitta / radius));
     let facets = Shape::Surface(Arc::new(surface));
@@ -145,7 +145,7 @@ fn a_ball_of_triangles_is_the_sphere_but_for_what_lies_between_facets_and_sphere
     let (found, other) = facets.lattice(0.05, 3);
     assert!((cell / other - 1.0).abs() < 1e-9, "{cell} {other}");
     let in_doubt = expected.iter().filter(|&&x| sphere.depth(x, 3) < sagitta).count();
-    assert!(found.len() <= expected.len() && found.len() + in_doubt >= expected.len());
+    assert!(in_doubt > 0 && found.len() <= expected.len() && found.len() + in_doubt >= expected.len());
     let near = |x: &[f64; 3], y: &[f64; 3]| (0..3).all(|k| (x[k] - y[k]).abs() < 1e-9);
     assert!(found.iter().all(|x| expected.iter().any(|y| near(x, y))));
     println!("ball: {} of {} particles, {in_doubt} between", found.len(), expected.len());

@@ -53,6 +53,16 @@ pub fn run(solver: &mut Solver, until: f64) {
     }
 }
 
+/// Does something on one thread, with all that it would share out: small flows lose more by waking threads.
+pub fn alone<T: Send>(what: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(what)
+}
+
+/// Steps until a time, on one thread.
+pub fn run_alone(solver: &mut Solver, until: f64) {
+    alone(|| run(solver, until));
+}
+
 /// State in the order of the particles' numbers, as bits.
 pub fn bits(solver: &Solver) -> Vec<u64> {
     let state = solver.state();
