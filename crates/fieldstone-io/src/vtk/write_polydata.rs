@@ -6,7 +6,7 @@ use fieldstone_particles::Particles;
 
 use super::encoding::{Column, VtkEncoding};
 use super::xml_writer::{VtkArrays, XmlFile};
-use crate::{DataArray, IoError, Position, Values};
+use crate::{DataArray, IoError, Position};
 
 /// Cells of a `.vtp`: vertices or triangles.
 struct Cells<'a> {
@@ -108,6 +108,7 @@ fn write(
     encoding: VtkEncoding,
 ) -> Result<(), IoError> {
     let count = cells.connectivity.len() / cells.corners;
+    let ends: Vec<i64> = (1..=count as i64).map(|k| k * cells.corners as i64).collect();
     let mut attributes = format!(" NumberOfPoints=\"{}\"", points.len());
     for element in ["Verts", "Lines", "Strips", "Polys"] {
         let own = if element == cells.element { count } else { 0 };
@@ -122,8 +123,7 @@ fn write(
     file.close("Points");
     file.open(cells.element, "");
     file.array("connectivity", 1, Column::I64(cells.connectivity))?;
-    let ends: Vec<i64> = (1..=count as i64).map(|k| k * cells.corners as i64).collect();
-    file.array("offsets", 1, Column::from(&Values::I64(ends)))?;
+    file.array("offsets", 1, Column::I64(&ends))?;
     file.close(cells.element);
     file.close("Piece");
     file.finish()
