@@ -13,11 +13,13 @@
 mod clock;
 mod interleaved;
 mod jobs;
+mod packing;
 mod pairs;
 mod random;
 
 pub use clock::{process_seconds, thread_seconds};
 pub use interleaved::{median, take_turns};
 pub use jobs::{box_of_hexahedra, random_balls};
+pub use packing::Packing;
 pub use pairs::{Pairs, Shape};
 pub use random::Random;

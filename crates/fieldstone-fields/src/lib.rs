@@ -13,6 +13,7 @@ mod coarse_graining;
 mod erf;
 mod error;
 mod face_fields;
+mod interpolation;
 mod kernels;
 mod ledger;
 mod method;
@@ -30,6 +31,7 @@ pub use coarse_graining::{
 };
 pub use error::FieldsError;
 pub use face_fields::{ContactTraction, SolidFlux, contact_traction, solid_flux};
+pub use interpolation::field_at_particles;
 pub use kernels::{BranchKernel, Kernel, KernelShape};
 pub use ledger::Ledger;
 pub use method::Method;

@@ -3,6 +3,7 @@
 use fieldstone_particles::{Particles, ParticlesError, Quantity};
 
 use crate::columns::{Cell, Columns};
+use crate::line_blocks::{LinePlace, Lines};
 
 /// Numbers of one row, reused from row to row.
 #[derive(Debug, Clone, Default)]
@@ -74,7 +75,7 @@ pub(crate) struct Assembly {
 impl Assembly {
     /// Room for `expected` particles; a count that a file merely claims reserves little.
     pub(crate) fn new(columns: &Columns, expected: usize) -> Self {
-        let room = expected.min(1 << 12);
+        let room = expected.min(1 << 14);
         let data = columns.groups.iter().map(|group| Vec::with_capacity(room * group.columns.len())).collect();
         Self {
             positions: Vec::with_capacity(room),
@@ -82,6 +83,23 @@ impl Assembly {
             data,
             ..Self::default()
         }
+    }
+
+    /// The rows of these lines; what is wrong with the first that is no row, and that line.
+    pub(crate) fn of_lines(
+        columns: &Columns,
+        lines: Lines<'_>,
+        place: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Result<Self, (LinePlace, Fault)> {
+        let mut assembly = Self::new(columns, lines.size_hint().0);
+        let mut row = Row::default();
+        for line in lines {
+            columns
+                .read_words(line.bytes, &mut row)
+                .and_then(|()| assembly.push(columns, &row, &place))
+                .map_err(|fault| (line.place, fault))?;
+        }
+        Ok(assembly)
     }
 
     /// Adds a row; `place` turns scaled coordinates into positions.
@@ -124,6 +142,15 @@ impl Assembly {
             }
         }
         Ok(())
+    }
+
+    /// Adds the particles of another assembly with the same columns.
+    pub(crate) fn append(&mut self, mut other: Self) {
+        self.positions.append(&mut other.positions);
+        self.radii.append(&mut other.radii);
+        self.ids.append(&mut other.ids);
+        self.types.append(&mut other.types);
+        self.data.iter_mut().zip(&mut other.data).for_each(|(data, more)| data.append(more));
     }
 
     /// Turns the column `name` into types where it holds nothing but integers.

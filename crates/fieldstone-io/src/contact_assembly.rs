@@ -1,11 +1,14 @@
 //! Contacts resolved against the particles of their frame: indices instead of ids, vectors instead of positions.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use fieldstone_particles::{Contact, Contacts, Particles, Partner};
+use rayon::prelude::*;
 
 use crate::{IoError, Position};
+
+/// Rows that one task places, as a power of two.
+const PART: u32 = 12;
 
 /// Mirrored lines whose forces agree to this part of the force are one contact seen from its two sides.
 const MIRRORED: f64 = 1e-6;
@@ -51,62 +54,105 @@ pub(crate) struct Row {
 pub(crate) struct ContactAssembly<'a> {
     particles: &'a Particles,
     path: &'a Path,
-    rows: Vec<Row>,
-    warnings: Vec<String>,
+    /// In the order of the file, in as many lists as they were read in.
+    rows: Vec<Vec<Row>>,
+}
+
+/// Contacts of some rows.
+#[derive(Default)]
+struct Part {
+    /// Each with the line that it comes from.
+    contacts: Vec<(Contact, u64)>,
+    distant: usize,
+    oblique: usize,
+    unaligned: usize,
+    /// What is wrong with the row after the contacts.
+    failure: Option<IoError>,
 }
 
 impl<'a> ContactAssembly<'a> {
     pub(crate) fn new(particles: &'a Particles, path: &'a Path) -> Self {
-        Self { particles, path, rows: Vec::new(), warnings: Vec::new() }
+        Self { particles, path, rows: Vec::new() }
     }
 
     pub(crate) fn push(&mut self, row: Row) {
-        self.rows.push(row);
+        match self.rows.last_mut() {
+            Some(rows) => rows.push(row),
+            None => self.rows.push(vec![row]),
+        }
+    }
+
+    /// Adds rows that were read in several lists.
+    pub(crate) fn append(&mut self, rows: Vec<Vec<Row>>) {
+        self.rows.extend(rows);
     }
 
     /// The contacts, and what the user should know about them.
-    pub(crate) fn finish(mut self) -> Result<(Contacts, Vec<String>), IoError> {
-        let mirrored = self.mirrored();
+    pub(crate) fn finish(self) -> Result<(Contacts, Vec<String>), IoError> {
+        let rows: Vec<&[Row]> = self.rows.iter().flat_map(|rows| rows.chunks(1 << PART)).collect();
+        let (mirrored, mut warnings) = mirrored(&rows);
+        let parts: Vec<Part> =
+            rows.par_iter().zip(mirrored).map(|(rows, mirrored)| self.part(rows, &mirrored)).collect();
         let mut contacts = Contacts::new();
         let (mut distant, mut oblique, mut unaligned) = (0usize, 0usize, 0usize);
-        for (row, mirrored) in self.rows.iter().zip(mirrored) {
-            if mirrored {
-                continue;
+        for part in parts {
+            for (contact, line) in part.contacts {
+                contacts.push(self.particles.len(), contact).map_err(|e| {
+                    self.at_line(line, (e.to_string(), "correct the row, or write the file again".into()))
+                })?;
             }
-            let at_line =
-                |(found, remedy): Refusal| IoError::content(self.path, Position::Line(row.line), found, remedy);
-            let Placed { arm, branch, on_lattice } = self.place(row).map_err(at_line)?;
-            unaligned += usize::from(!on_lattice);
-            if let Ok(radii) = self.particles.radii() {
-                distant += usize::from(length(arm) > 1.5 * radii[row.particle as usize]);
-            }
-            if let (Some(normal), Partner::Particle(_)) = (row.normal_force, row.partner) {
-                oblique += usize::from(length(cross(normal, branch)) > 1e-3 * length(normal) * length(branch));
-            }
-            let contact = Contact { particle: row.particle, partner: row.partner, force: row.force, arm, branch };
-            contacts
-                .push(self.particles.len(), contact)
-                .map_err(|e| at_line((e.to_string(), "correct the row, or write the file again".into())))?;
+            part.failure.map_or(Ok(()), Err)?;
+            distant += part.distant;
+            oblique += part.oblique;
+            unaligned += part.unaligned;
         }
         let total = contacts.len();
         if distant > 0 {
-            self.warnings.push(format!(
+            warnings.push(format!(
                 "{distant} of {total} contact points are more than 1.5 radii from the particle's centre: are these the \
                  contacts of the same frame, and the right columns?"
             ));
         }
         if oblique > 0 {
-            self.warnings.push(format!(
+            warnings.push(format!(
                 "{oblique} of {total} normal forces are not along the line of centres: are these the right columns?"
             ));
         }
         if unaligned > 0 {
-            self.warnings.push(format!(
+            warnings.push(format!(
                 "{unaligned} of {total} contacts have a normal that leads neither to the partner nor to an image of it: \
                  are these the contacts of the same frame?"
             ));
         }
-        Ok((contacts, self.warnings))
+        Ok((contacts, warnings))
+    }
+
+    fn at_line(&self, line: u64, (found, remedy): Refusal) -> IoError {
+        IoError::content(self.path, Position::Line(line), found, remedy)
+    }
+
+    /// The contacts of those rows that are not mirrored, up to the first that is wrong.
+    fn part(&self, rows: &[Row], mirrored: &[bool]) -> Part {
+        let mut part = Part { contacts: Vec::with_capacity(rows.len()), ..Part::default() };
+        for (row, _) in rows.iter().zip(mirrored).filter(|(_, mirrored)| !**mirrored) {
+            let Placed { arm, branch, on_lattice } = match self.place(row) {
+                Ok(placed) => placed,
+                Err(refusal) => {
+                    part.failure = Some(self.at_line(row.line, refusal));
+                    break;
+                }
+            };
+            part.unaligned += usize::from(!on_lattice);
+            if let Ok(radii) = self.particles.radii() {
+                part.distant += usize::from(length(arm) > 1.5 * radii[row.particle as usize]);
+            }
+            if let (Some(normal), Partner::Particle(_)) = (row.normal_force, row.partner) {
+                part.oblique += usize::from(length(cross(normal, branch)) > 1e-3 * length(normal) * length(branch));
+            }
+            let contact = Contact { particle: row.particle, partner: row.partner, force: row.force, arm, branch };
+            part.contacts.push((contact, row.line));
+        }
+        part
     }
 
     fn place(&self, row: &Row) -> Result<Placed, Refusal> {
@@ -174,71 +220,93 @@ impl<'a> ContactAssembly<'a> {
             }
         }
     }
+}
 
-    /// Which rows are the mirror image of an earlier one.
-    ///
-    /// Some programs list each pair once, others twice, once from either side. A row (j, i) with the opposite force of
-    /// an earlier row (i, j) is the same contact. Where every pair has rows of both kinds, the file lists pairs twice
-    /// even if some forces do not mirror each other, and the user is told by how much.
-    fn mirrored(&mut self) -> Vec<bool> {
-        let mut pairs: HashMap<[u32; 2], [Vec<usize>; 2]> = HashMap::new();
-        for (index, row) in self.rows.iter().enumerate() {
-            if let Some((key, side)) = pair_of(row) {
-                pairs.entry(key).or_default()[side].push(index);
+/// Which rows are the mirror image of an earlier one, and what the user should know about them.
+///
+/// Some programs list each pair once, others twice, once from either side. A row (j, i) with the opposite force of
+/// an earlier row (i, j) is the same contact. Where every pair has rows of both kinds, the file lists pairs twice
+/// even if some forces do not mirror each other, and the user is told by how much.
+///
+/// Rows are given in parts of 2^[`PART`], but for shorter ones.
+fn mirrored(rows: &[&[Row]]) -> (Vec<Vec<bool>>, Vec<String>) {
+    // The rows of each pair, in their order in the file.
+    let mut pairs: Vec<([u32; 2], u64)> = (rows.par_iter().enumerate())
+        .flat_map_iter(|(part, rows)| {
+            let key = move |(k, row): (usize, &Row)| Some((pair_of(row)?.0, (part << PART | k) as u64));
+            rows.iter().enumerate().filter_map(key)
+        })
+        .collect();
+    pairs.par_sort_unstable();
+    let row = |at: u64| &rows[(at >> PART) as usize][(at & ((1 << PART) - 1)) as usize];
+    let side = |at: u64| pair_of(row(at)).is_some_and(|(_, swapped)| swapped);
+    let groups: Vec<&[([u32; 2], u64)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
+    let distinct = |group: &&&[([u32; 2], u64)]| group[0].0[0] != group[0].0[1];
+    let both = |group: &&[([u32; 2], u64)]| {
+        let swapped = group.iter().filter(|(_, at)| side(*at)).count();
+        swapped > 0 && swapped < group.len()
+    };
+    let listed_twice =
+        groups.par_iter().any(|group| distinct(&group)) && groups.par_iter().filter(|group| distinct(group)).all(both);
+    // Of each pair the rows that mirror an earlier one, and by how much they do not.
+    let found: Vec<(u64, f64)> = groups
+        .par_iter()
+        .flat_map_iter(|group| {
+            let own_image = group[0].0[0] == group[0].0[1];
+            let mut free: Vec<u64> = Vec::new();
+            let mut found = Vec::new();
+            for &(_, at) in *group {
+                let opposite = |other: &u64| own_image || side(*other) != side(at);
+                let closest = (free.iter().enumerate())
+                    .filter(|(_, other)| opposite(other))
+                    .map(|(k, &other)| (mismatch(row(at), row(other)), k))
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                match closest {
+                    Some((mismatch, k)) if mismatch <= MIRRORED || (listed_twice && !own_image) => {
+                        free.remove(k);
+                        found.push((at, mismatch));
+                    }
+                    _ => free.push(at),
+                }
             }
-        }
-        let mut distinct = pairs.iter().filter(|(key, _)| key[0] != key[1]).peekable();
-        let listed_twice =
-            distinct.peek().is_some() && distinct.all(|(_, rows)| rows.iter().all(|side| !side.is_empty()));
-        let mut taken = vec![false; self.rows.len()];
-        let mut mirrored = vec![false; self.rows.len()];
-        let (mut dropped, mut different, mut largest) = (0usize, 0usize, 0.0f64);
-        for index in 0..self.rows.len() {
-            let Some((key, side)) = pair_of(&self.rows[index]) else { continue };
-            let own_image = key[0] == key[1];
-            let Some(rows) = pairs.get(&key) else { continue };
-            let candidates = rows[if own_image { 0 } else { 1 - side }].iter().copied();
-            let closest = candidates
-                .filter(|&other| other < index && !taken[other] && !mirrored[other])
-                .map(|other| (self.mismatch(index, other), other))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((mismatch, other)) = closest else { continue };
-            if mismatch <= MIRRORED || (listed_twice && !own_image) {
-                (taken[other], mirrored[index]) = (true, true);
-                dropped += 1;
-                different += usize::from(mismatch > MIRRORED);
-                largest = largest.max(mismatch);
-            }
-        }
-        if dropped > 0 {
-            self.warnings.push(if listed_twice {
-                "pairs are listed twice, once from either side: each is taken once".into()
-            } else {
-                format!("{dropped} pairs are listed from both sides with mirrored forces: each is taken once")
-            });
-        }
-        if different > 0 {
-            self.warnings.push(format!(
-                "the two lines of {different} pairs do not mirror each other, by up to {largest:.1e} of the force: the \
-                 first is taken"
-            ));
-        }
-        mirrored
+            found
+        })
+        .collect();
+    let mut mirrored: Vec<Vec<bool>> = rows.iter().map(|rows| vec![false; rows.len()]).collect();
+    let (mut different, mut largest) = (0usize, 0.0f64);
+    for &(at, mismatch) in &found {
+        mirrored[(at >> PART) as usize][(at & ((1 << PART) - 1)) as usize] = true;
+        different += usize::from(mismatch > MIRRORED);
+        largest = largest.max(mismatch);
     }
+    let mut warnings = Vec::new();
+    if !found.is_empty() {
+        warnings.push(if listed_twice {
+            "pairs are listed twice, once from either side: each is taken once".into()
+        } else {
+            format!("{} pairs are listed from both sides with mirrored forces: each is taken once", found.len())
+        });
+    }
+    if different > 0 {
+        warnings.push(format!(
+            "the two lines of {different} pairs do not mirror each other, by up to {largest:.1e} of the force: the \
+             first is taken"
+        ));
+    }
+    (mirrored, warnings)
+}
 
-    /// How far two forces are from being opposite, as a part of the larger.
-    fn mismatch(&self, a: usize, b: usize) -> f64 {
-        let (a, b) = (self.rows[a].force, self.rows[b].force);
-        let scale = length(a).max(length(b));
-        if scale == 0.0 { 0.0 } else { length(sum(a, b)) / scale }
-    }
+/// How far two forces are from being opposite, as a part of the larger.
+fn mismatch(a: &Row, b: &Row) -> f64 {
+    let scale = length(a.force).max(length(b.force));
+    if scale == 0.0 { 0.0 } else { length(sum(a.force, b.force)) / scale }
 }
 
 /// The two particles of a pair in rising order, and whether the row has them the other way round.
-fn pair_of(row: &Row) -> Option<([u32; 2], usize)> {
+fn pair_of(row: &Row) -> Option<([u32; 2], bool)> {
     let Partner::Particle(partner) = row.partner else { return None };
     let (low, high) = (row.particle.min(partner), row.particle.max(partner));
-    Some(([low, high], usize::from(row.particle > partner)))
+    Some(([low, high], row.particle > partner))
 }
 
 fn sum(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fieldstone_particles::{Domain, Particles};
 
-use crate::assembly::{Assembly, Row};
+use crate::assembly::Assembly;
 use crate::columns::{Columns, Dialect, non_spherical};
 use crate::dump_box::{BoxFault, DumpBox};
 use crate::dump_stream::{DumpHead, DumpRows, DumpStream};
@@ -144,31 +144,30 @@ impl DumpReader {
         }
         let expected = usize::try_from(head.count).unwrap_or(usize::MAX);
         let mut assembly = None;
-        let mut row = Row::default();
-        for index in 0..head.count {
-            self.stream.next_row(index, head.count)?;
-            let line = self.stream.lines.line();
-            if assembly.is_none() {
-                for name in columns.pass_over_text(words(line)) {
+        let mut read = 0;
+        while read < head.count {
+            let block = self.stream.take_rows(read, head.count)?;
+            if let (None, Some(line)) = (&assembly, block.first_line()) {
+                for name in columns.pass_over_text(words(line.bytes)) {
                     self.stream.warn(format!("column '{name}' holds text and is passed over"));
                 }
-                assembly = Some(Assembly::new(&columns, expected));
             }
-            let Some(assembly) = &mut assembly else { continue };
-            let line = self.stream.lines.line();
-            let result = columns.read_words(line, &mut row).and_then(|()| {
-                assembly.push(&columns, &row, |p| match &head.cell {
-                    Some(cell) if columns.scaled() => cell.place(p),
-                    _ => p,
-                })
-            });
-            if let Err(fault) = result {
-                if !self.stream.lines.complete() {
-                    return Err(self.stream.truncated(index, head.count));
+            let first = self.stream.lines.number() + 1 - block.len();
+            let place = |p| match &head.cell {
+                Some(cell) if columns.scaled() => cell.place(p),
+                _ => p,
+            };
+            let parts = block.parse(|lines| Assembly::of_lines(&columns, lines, place)).map_err(|(line, fault)| {
+                if !line.complete {
+                    return self.stream.truncated(read + (line.number - first), head.count);
                 }
                 let (found, remedy) = fault.describe(&columns);
-                return Err(self.stream.lines.error(found, remedy));
-            }
+                line.error(self.stream.lines.path(), found, remedy)
+            })?;
+            let assembly = assembly.get_or_insert_with(|| Assembly::new(&columns, expected));
+            parts.into_iter().for_each(|part| assembly.append(part));
+            read += block.len();
+            self.stream.lines.reuse(block);
         }
         if head.count > 0 && !self.stream.lines.complete() {
             self.stream.warn("the last row has no line end: if the file is cut, its last number may be too".into());

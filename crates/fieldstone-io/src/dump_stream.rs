@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::IoError;
 use crate::dump_box::DumpBox;
+use crate::line_blocks::LineBlock;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, text, words};
 
 /// What the rows of a dump are.
@@ -173,26 +174,29 @@ impl DumpStream {
 
     /// Passes over the rows of a frame.
     pub(crate) fn pass_rows(&mut self, count: u64) -> Result<(), IoError> {
-        for index in 0..count {
-            self.next_row(index, count)?;
+        let mut index = 0;
+        while index < count {
+            let block = self.take_rows(index, count)?;
+            index += block.len();
+            self.lines.reuse(block);
         }
         self.frame += 1;
         Ok(())
     }
 
-    /// Goes to row `index` of `count`.
-    #[inline]
-    pub(crate) fn next_row(&mut self, index: u64, count: u64) -> Result<(), IoError> {
+    /// Takes rows of a frame from row `index` of `count` on: at least one.
+    pub(crate) fn take_rows(&mut self, index: u64, count: u64) -> Result<LineBlock, IoError> {
+        // No column begins with a capital I that a number could be confused with: only a new section does.
+        let block = self.lines.take_lines(count - index, b"ITEM:")?;
+        if !block.is_empty() {
+            return Ok(block);
+        }
         if !self.lines.advance()? {
             return Err(self.truncated(index, count));
         }
-        // No column begins with a capital I that a number could be confused with: only a new section does.
-        if self.lines.line().starts_with(b"ITEM:") {
-            let (frame, rows) = (self.frame, self.rows.name());
-            let found = format!("frame {frame} has {index} rows, but its number of {rows} is {count}");
-            return Err(self.lines.error(found, "the program that wrote it was stopped: remove the incomplete frame"));
-        }
-        Ok(())
+        let (frame, rows) = (self.frame, self.rows.name());
+        let found = format!("frame {frame} has {index} rows, but its number of {rows} is {count}");
+        Err(self.lines.error(found, "the program that wrote it was stopped: remove the incomplete frame"))
     }
 
     pub(crate) fn truncated(&self, index: u64, count: u64) -> IoError {

@@ -35,6 +35,7 @@ mod frame_range;
 mod frames;
 mod gmsh;
 mod lammps_walls;
+mod line_blocks;
 mod lines;
 mod mercury;
 mod mercury_contacts;

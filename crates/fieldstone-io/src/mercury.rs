@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fieldstone_particles::{Domain, Particles};
 
-use crate::assembly::{Assembly, Row};
+use crate::assembly::Assembly;
 use crate::columns::{Columns, Dialect};
 use crate::frames::unless_failed;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, words};
@@ -95,20 +95,23 @@ impl MercuryReader {
             self.warnings.push(warning);
         }
         let mut assembly = Assembly::new(&columns, usize::try_from(count).unwrap_or(usize::MAX));
-        let mut row = Row::default();
-        for index in 0..count {
-            if !self.lines.advance()? {
-                return Err(self.truncated(index, count));
+        let mut left = count;
+        while left > 0 {
+            let block = self.lines.take_lines(left, b"")?;
+            if block.is_empty() {
+                return Err(self.truncated(count - left, count));
             }
-            let result =
-                columns.read_words(self.lines.line(), &mut row).and_then(|()| assembly.push(&columns, &row, |p| p));
-            if let Err(fault) = result {
-                if !self.lines.complete() {
-                    return Err(self.truncated(index, count));
+            let first = self.lines.number() + 1 - block.len();
+            let parts = block.parse(|lines| Assembly::of_lines(&columns, lines, |p| p)).map_err(|(line, fault)| {
+                if !line.complete {
+                    return self.truncated(count - left + (line.number - first), count);
                 }
                 let (found, remedy) = fault.describe(&columns);
-                return Err(self.lines.error(found, remedy));
-            }
+                line.error(self.lines.path(), found, remedy)
+            })?;
+            parts.into_iter().for_each(|part| assembly.append(part));
+            left -= block.len();
+            self.lines.reuse(block);
         }
         assembly.integers_to_types(&mut columns, "info");
         let particles = assembly
@@ -124,10 +127,14 @@ impl MercuryReader {
 
     fn pass_frame(&mut self) -> Result<bool, IoError> {
         let Some((count, _)) = self.head()? else { return Ok(false) };
-        for index in 0..count {
-            if !self.lines.advance()? {
-                return Err(self.truncated(index, count));
+        let mut left = count;
+        while left > 0 {
+            let block = self.lines.take_lines(left, b"")?;
+            if block.is_empty() {
+                return Err(self.truncated(count - left, count));
             }
+            left -= block.len();
+            self.lines.reuse(block);
         }
         self.frame += 1;
         Ok(true)

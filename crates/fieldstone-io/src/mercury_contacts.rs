@@ -7,8 +7,13 @@ use fieldstone_particles::{Contacts, Particles, Partner};
 use crate::contact_assembly::{ContactAssembly, Row, Touch, length};
 use crate::contacts::check_stamp;
 use crate::frames::unless_failed;
-use crate::lines::{LineReader, integer, number, shown, skip_blanks, words};
+use crate::line_blocks::Line;
+use crate::lines::{LineReader, number, shown, skip_blanks, words};
 use crate::{ContactReader, FrameStamp, IoError};
+
+/// What the lines before a frame begin with.
+const COMMENT: &[u8] = b"#";
+const REPAIR: &str = "correct the row, or write the file again";
 
 const COLUMNS: [&str; 16] =
     ["t", "i", "j", "cx", "cy", "cz", "delta", "deltat", "fn", "ft", "nx", "ny", "nz", "tx", "ty", "tz"];
@@ -89,21 +94,6 @@ impl MercuryContactReader {
         Ok(Some(time))
     }
 
-    /// Goes to the next row; `false` at the end of the frame.
-    fn next_row(&mut self) -> Result<bool, IoError> {
-        while self.lines.advance()? {
-            let line = self.lines.line().trim_ascii_start();
-            if line.starts_with(b"#") {
-                self.lines.stay();
-                return Ok(false);
-            }
-            if !line.is_empty() {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
     fn read_frame(&mut self, particles: &Particles) -> Result<Option<Contacts>, IoError> {
         let Some(stamp) = self.look_ahead()? else { return Ok(None) };
         self.ahead = None;
@@ -111,9 +101,20 @@ impl MercuryContactReader {
         check_stamp(&path, self.lines.number(), stamp, particles)?;
         let radii = particles.radii().map_err(|source| IoError::Particles { path: path.clone(), source })?;
         let mut assembly = ContactAssembly::new(particles, &path);
-        while self.next_row()? {
-            let row = self.row(particles, radii)?;
-            assembly.push(row);
+        loop {
+            let block = self.lines.take_lines(u64::MAX, COMMENT)?;
+            if block.is_empty() {
+                break;
+            }
+            let parts = block.parse(|lines| {
+                let mut rows = Vec::with_capacity(lines.size_hint().0);
+                for line in lines.filter(|line| !line.bytes.trim_ascii_start().is_empty()) {
+                    rows.push(row(&line, &path, particles, radii)?);
+                }
+                Ok(rows)
+            })?;
+            assembly.append(parts);
+            self.lines.reuse(block);
         }
         let (contacts, warnings) = assembly.finish()?;
         for warning in warnings {
@@ -125,62 +126,18 @@ impl MercuryContactReader {
         Ok(Some(contacts))
     }
 
-    fn row(&self, particles: &Particles, radii: &[f64]) -> Result<Row, IoError> {
-        let repair = "correct the row, or write the file again";
-        let line = self.lines.line();
-        let mut values = [0.0; 16];
-        let mut count = 0;
-        for word in words(line) {
-            if let Some(slot) = values.get_mut(count) {
-                *slot = number(word).filter(|value| value.is_finite()).ok_or_else(|| {
-                    let found = format!("column {} '{}' holds '{}'", count + 1, COLUMNS[count], shown(word));
-                    self.lines.error(found + ", which is no finite number", repair)
-                })?;
-            }
-            count += 1;
-        }
-        if count != 16 {
-            let found = format!("the row has {count} columns; 16 are expected: {}", COLUMNS.join(" "));
-            let cut = "the file is cut, or still being written; earlier frames can be read";
-            return Err(self.lines.error(found, if self.lines.complete() { repair } else { cut }));
-        }
-        let [_, _, _, cx, cy, cz, overlap, _, normal, tangential, nx, ny, nz, tx, ty, tz] = values;
-        let mut indices = words(line).skip(1).map(integer);
-        let (Some(Some(i)), Some(Some(j))) = (indices.next(), indices.next()) else {
-            return Err(self.lines.error("columns 2 and 3 do not hold the indices of the two bodies", repair));
-        };
-        let index = |of: i64| {
-            u32::try_from(of).ok().filter(|&k| (k as usize) < particles.len()).ok_or_else(|| {
-                let found = format!("the contact names particle {of}, but there are {} from 0 on", particles.len());
-                self.lines.error(found, "give the .data file of the same run, with all of its particles")
-            })
-        };
-        let particle = index(i)?;
-        let n = [nx, ny, nz];
-        let own = radii[particle as usize] - 0.5 * overlap;
-        let force = [normal * nx + tangential * tx, normal * ny + tangential * ty, normal * nz + tangential * tz];
-        let along = |factor: f64| n.map(|component| factor * component);
-        let (partner, force, touch) = if j < 0 {
-            let centre = particles.positions()[particle as usize];
-            let stated = [cx - centre[0], cy - centre[1], cz - centre[2]];
-            // The stated point may be of another image; on walls n points into the wall.
-            let near = length(stated) <= 1.5 * radii[particle as usize];
-            let arm = if near { stated } else { along(own) };
-            (Partner::Wall(-(j + 1)), force.map(|f| -f), Touch::Vectors { arm, branch: arm })
-        } else {
-            let other = index(j)?;
-            let reach = radii[particle as usize] + radii[other as usize] - overlap;
-            (Partner::Particle(other), force, Touch::Vectors { arm: along(-own), branch: along(-reach) })
-        };
-        Ok(Row { particle, partner, force, normal_force: None, touch, line: self.lines.number() })
-    }
-
     fn pass_frame(&mut self) -> Result<bool, IoError> {
         if self.look_ahead()?.is_none() {
             return Ok(false);
         }
         self.ahead = None;
-        while self.next_row()? {}
+        loop {
+            let block = self.lines.take_lines(u64::MAX, COMMENT)?;
+            if block.is_empty() {
+                break;
+            }
+            self.lines.reuse(block);
+        }
         self.frame += 1;
         Ok(true)
     }
@@ -202,4 +159,71 @@ impl ContactReader for MercuryContactReader {
     fn warnings(&self) -> &[String] {
         &self.warnings
     }
+}
+
+/// The 16 numbers of a row.
+///
+/// Each is parsed where it stands; only a row that is wrong is taken apart word by word, to say what is wrong with it.
+fn numbers(line: &Line<'_>, path: &Path) -> Result<[f64; 16], IoError> {
+    let bytes = line.bytes;
+    let mut values = [0.0; 16];
+    let mut at = skip_blanks(bytes, 0);
+    for value in &mut values {
+        match fast_float2::parse_partial::<f64, _>(&bytes[at..]) {
+            Ok((found, length)) if found.is_finite() && bytes.get(at + length).is_none_or(u8::is_ascii_whitespace) => {
+                *value = found;
+                at = skip_blanks(bytes, at + length);
+            }
+            _ => return Err(fault(line, path)),
+        }
+    }
+    if at == bytes.len() { Ok(values) } else { Err(fault(line, path)) }
+}
+
+/// What is wrong with a row that has not 16 finite numbers.
+fn fault(line: &Line<'_>, path: &Path) -> IoError {
+    for (column, word) in words(line.bytes).enumerate().take(16) {
+        if !number(word).is_some_and(f64::is_finite) {
+            let found = format!("column {} '{}' holds '{}'", column + 1, COLUMNS[column], shown(word));
+            return line.place.error(path, found + ", which is no finite number", REPAIR);
+        }
+    }
+    let found = format!("the row has {} columns; 16 are expected: {}", words(line.bytes).count(), COLUMNS.join(" "));
+    let cut = "the file is cut, or still being written; earlier frames can be read";
+    line.place.error(path, found, if line.place.complete { REPAIR } else { cut })
+}
+
+/// The contact in a row.
+fn row(line: &Line<'_>, path: &Path, particles: &Particles, radii: &[f64]) -> Result<Row, IoError> {
+    let values = numbers(line, path)?;
+    let [_, i, j, cx, cy, cz, overlap, _, normal, tangential, nx, ny, nz, tx, ty, tz] = values;
+    // Numbers tell integers apart up to 2⁵³, far beyond any number of particles.
+    let whole = |x: f64| (x.fract() == 0.0 && x.abs() <= 9_007_199_254_740_992.0).then_some(x as i64);
+    let (Some(i), Some(j)) = (whole(i), whole(j)) else {
+        return Err(line.place.error(path, "columns 2 and 3 do not hold the indices of the two bodies", REPAIR));
+    };
+    let index = |of: i64| {
+        u32::try_from(of).ok().filter(|&k| (k as usize) < particles.len()).ok_or_else(|| {
+            let found = format!("the contact names particle {of}, but there are {} from 0 on", particles.len());
+            line.place.error(path, found, "give the .data file of the same run, with all of its particles")
+        })
+    };
+    let particle = index(i)?;
+    let n = [nx, ny, nz];
+    let own = radii[particle as usize] - 0.5 * overlap;
+    let force = [normal * nx + tangential * tx, normal * ny + tangential * ty, normal * nz + tangential * tz];
+    let along = |factor: f64| n.map(|component| factor * component);
+    let (partner, force, touch) = if j < 0 {
+        let centre = particles.positions()[particle as usize];
+        let stated = [cx - centre[0], cy - centre[1], cz - centre[2]];
+        // The stated point may be of another image; on walls n points into the wall.
+        let near = length(stated) <= 1.5 * radii[particle as usize];
+        let arm = if near { stated } else { along(own) };
+        (Partner::Wall(-(j + 1)), force.map(|f| -f), Touch::Vectors { arm, branch: arm })
+    } else {
+        let other = index(j)?;
+        let reach = radii[particle as usize] + radii[other as usize] - overlap;
+        (Partner::Particle(other), force, Touch::Vectors { arm: along(-own), branch: along(-reach) })
+    };
+    Ok(Row { particle, partner, force, normal_force: None, touch, line: line.place.number })
 }

@@ -174,7 +174,10 @@ impl Series {
             let mut contacts: Option<Contacts> = None;
             for source in &mut self.sources {
                 let found = source.frame_for(&path, index, &particles)?;
-                contacts.get_or_insert_default().extend(&found);
+                match &mut contacts {
+                    Some(contacts) => contacts.extend(&found),
+                    None => contacts = Some(found),
+                }
             }
             return Ok(Some(SeriesFrame { index, path, particles, contacts }));
         }

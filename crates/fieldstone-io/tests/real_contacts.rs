@@ -147,8 +147,8 @@ fn the_chute_has_26580_pairs_and_344_wall_contacts_with_force() {
     // Four rows are of contacts with edges of triangles; all others are with the plane right below.
     assert!(walls.iter().all(|c| c.arm[2] < -0.0007));
     assert_eq!(walls.iter().filter(|c| c.arm[0].abs().max(c.arm[1].abs()) > 1e-13).count(), 4);
-    // LIGGGHTS evaluates the forces again when it dumps them: with the velocities of the step's end, and without
-    // limiting the tangential springs. Only where nothing slides do they come near the forces that acted.
+    // The forces in the dump are not quite those that acted; some are near them. That their sign and their particles are
+    // right is seen by that.
     let mut all = pairs.clone();
     all.extend(&walls);
     let gravity = [9.81 * 0.406_736_64, 0.0, -9.81 * 0.913_545_46];

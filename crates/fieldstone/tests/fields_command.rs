@@ -295,6 +295,241 @@ fn gravity_species_and_displacements_are_at_hand() {
     assert_eq!(column(&folder, "none.vti", "density"), [0.0, 0.0]);
 }
 
+/// Three cells along x, the two balls of different types; what crosses the faces is known in closed form.
+const SPECIES: &str =
+    "fields --particles species.data --contacts box.fstat --density 3 --grid 0,2,0,1,0,1 --cells 3,1,1";
+
+fn two_species() -> Folder {
+    let folder = mercury();
+    let text = std::fs::read_to_string(folder.path("box.data")).unwrap();
+    let second =
+        |line: &str| if line.starts_with("1.5") { format!("{} 1", line.trim_end_matches(" 0")) } else { line.into() };
+    folder.write("species.data", text.lines().map(|line| second(line) + "\n").collect::<String>());
+    folder
+}
+
+#[test]
+fn what_crosses_the_faces_closes_the_balance_of_every_cell_from_the_file_alone() {
+    let folder = two_species();
+    folder.succeeds(&format!("{SPECIES} --frames 0 --face-fields faces.vtp --out o.vti --json o.json"));
+    assert_eq!(json(&folder, "o.json")["balance_residual"], 0.0);
+    let faces = |file: &str, name: &str| column(&folder, file, name);
+    let force = faces("faces.vtp", "contact_force");
+    let (back, front) = (faces("faces.vtp", "back_cell"), faces("faces.vtp", "front_cell"));
+    // 4 faces along x, 6 along y and z each.
+    assert_eq!((back.len(), force.len()), (16, 48));
+    // Ball 0 is pushed by 2 from ball 1 and by 5 from the floor, which it touches in cell 0; ball 1 is in cell 2.
+    for (cell, forces, walls) in [(0, [-2.0, 0.0, 5.0], 5.0), (1, [0.0; 3], 0.0), (2, [2.0, 0.0, 0.0], 0.0)] {
+        for k in 0..3 {
+            let out = |face: usize| {
+                f64::from(u8::from(back[face] == cell as f64)) - f64::from(u8::from(front[face] == cell as f64))
+            };
+            let left: f64 = (0..16).map(|face| out(face) * force[3 * face + k]).sum();
+            let wall = if k == 2 { walls } else { 0.0 };
+            assert_eq!(forces[k], wall - left, "cell {cell}, component {k}");
+        }
+    }
+    // The ball of radius 1/2 that moves with 1 is cut at a distance of 1/6 from its centre.
+    let disc = PI * (0.25 - 1.0 / 36.0);
+    let flux = faces("faces.vtp", "solid_flux");
+    assert!((flux[1] - disc).abs() < 1e-15 && flux[2].abs() < 1e-15, "{flux:?}");
+    // Force over area, and the area from the file.
+    let (traction, vector) = (faces("faces.vtp", "contact_traction"), faces("faces.vtp", "face_vector"));
+    assert_eq!((traction[3], vector[3]), (2.0, 1.0));
+    let polygons = vtk::read_vtk(&folder.path("faces.vtp")).unwrap();
+    assert!(polygons.cells.types().iter().all(|kind| *kind == 9), "{:?}", polygons.cells.types());
+
+    // The mean over both frames, in the second of which the ball moves with 3; and one file for each.
+    folder.succeeds(&format!("{SPECIES} --average --face-fields faces.vtp --out o.vti"));
+    assert!((faces("faces.vtp", "solid_flux")[1] - 2.0 * disc).abs() < 1e-15);
+    folder.succeeds(&format!("{SPECIES} --face-fields faces.pvd --out o.pvd"));
+    assert_eq!(vtk::read_pvd(&folder.path("faces.pvd")).unwrap().len(), 2);
+    assert!((faces("faces_1.vtp", "solid_flux")[1] - 3.0 * disc).abs() < 1e-15);
+}
+
+#[test]
+fn the_solid_flux_of_a_mesh_is_the_rate_at_which_its_cells_fill() {
+    let folder = Folder::new();
+    folder.copy(&fieldstone_testing::data("openfoam/refined"), "case");
+    let (v, h) = ([0.3, -0.7, 0.2], 1e-6);
+    for (name, t) in [("before", -0.5 * h), ("now", 0.0), ("after", 0.5 * h)] {
+        let at = [0.45, 0.52, 0.5].iter().zip(v).map(|(x, v): (&f64, f64)| (x + t * v).to_string());
+        let row = at.collect::<Vec<_>>().join(",");
+        folder.write(&format!("{name}.csv"), format!("x,y,z,radius,vx,vy,vz\n{row},0.25,{},{},{}\n", v[0], v[1], v[2]));
+        folder.succeeds(&format!(
+            "fields --particles {name}.csv --density 1 --mesh case --fields volume_fraction --face-fields {name}.vtp \
+             --out {name}.vtu"
+        ));
+    }
+    let [before, after] = ["before.vtu", "after.vtu"].map(|file| column(&folder, file, "volume_fraction"));
+    let volumes = column(&folder, "now.vtu", "cell_volume");
+    let mut rates = vec![0.0; volumes.len()];
+    let [flux, back, front] = ["solid_flux", "back_cell", "front_cell"].map(|name| column(&folder, "now.vtp", name));
+    for (face, q) in flux.iter().enumerate() {
+        for (side, sign) in [(&back, -1.0), (&front, 1.0)] {
+            if side[face] >= 0.0 {
+                rates[side[face] as usize] += sign * q;
+            }
+        }
+    }
+    let mut moving = 0;
+    for (cell, rate) in rates.iter().enumerate() {
+        let difference = (after[cell] - before[cell]) * volumes[cell] / h;
+        // The difference has lost ten digits.
+        assert!((rate - difference).abs() < 1e-8, "cell {cell}: {rate} {difference}");
+        moving += usize::from(rate.abs() > 1e-3);
+    }
+    assert!(moving > 3);
+}
+
+#[test]
+fn fields_of_the_species_add_up_to_those_of_all() {
+    let folder = two_species();
+    let fields =
+        "--frames 0 --fields standard,velocity,contact_force_density --quantity speed=velocity:sum --gravity 0,0,-2";
+    folder.succeeds(&format!("{SPECIES} {fields} --per-species --out all.vti"));
+    for name in [
+        "volume_fraction",
+        "density",
+        "momentum",
+        "momentum_flux",
+        "contact_stress",
+        "contact_force_density",
+        "particle_size",
+        "speed",
+        "body_force_density",
+    ] {
+        let [all, a, b] = ["", "_species_0", "_species_1"].map(|of| column(&folder, "all.vti", &format!("{name}{of}")));
+        let sum: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + b).collect();
+        let scale = all.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        assert!(apart(&all, &sum) <= 1e-15 * scale, "{name}: {all:?} {sum:?}");
+        assert!(a.iter().chain(&b).any(|x| *x != 0.0), "{name}");
+    }
+    // What the two exert on each other cancels in the sum over cells; the floor's 5 is left.
+    let total = |name: &str| -> f64 {
+        let volumes = column(&folder, "all.vti", "cell_volume");
+        column(&folder, "all.vti", name).as_chunks::<3>().0.iter().zip(volumes).map(|(f, v)| f[0] * v).sum()
+    };
+    let [a, b] = [0, 1].map(|of| total(&format!("boundary_force_density_species_{of}")));
+    assert!((a + 2.0).abs() < 1e-14 && (b - 2.0).abs() < 1e-14, "{a} {b}");
+    // Each is what a run of its own gives.
+    folder.succeeds(&format!("{SPECIES} {fields} --species 1 --out one.vti"));
+    for name in ["density", "velocity", "contact_stress", "boundary_force_density"] {
+        assert_eq!(
+            column(&folder, "one.vti", name),
+            column(&folder, "all.vti", &format!("{name}_species_1")),
+            "{name}"
+        );
+    }
+    // Only one of them, and as a table of MercuryCG's.
+    folder.succeeds(&format!("{SPECIES} --fields density --species 1 --per-species --out s.stat"));
+    let text = std::fs::read_to_string(folder.path("s.stat")).unwrap();
+    mentions(&text, &["time x y z 5:Density 6:DensitySpecies1"]);
+    let message = folder.fails("fields --particles box.data --radius 1 --density 1 --cells 1 --species 7 --per-species --face-fields f.vtk --out o.vti");
+    mentions(&message, &["--face-fields f.vtk", ".vtp"]);
+    folder.write("plain.csv", "x,y,z,radius\n0,0,0,1\n");
+    let message = folder.fails("fields --particles plain.csv --density 1 --cells 1 --per-species --out o.vti");
+    mentions(&message, &["plain.csv", "no types"]);
+}
+
+#[test]
+fn particles_take_from_fields_what_cells_give() {
+    let folder = two_species();
+    folder.succeeds(&format!("{SPECIES} --frames 0 --to-particles back.vtp --out o.vti"));
+    let volume = PI / 6.0;
+    let (fraction, volumes) = (column(&folder, "o.vti", "volume_fraction"), column(&folder, "o.vti", "cell_volume"));
+    for (name, width) in [("density", 1), ("momentum", 3), ("contact_stress", 9)] {
+        let (field, back) = (column(&folder, "o.vti", name), column(&folder, "back.vtp", &format!("field_{name}")));
+        assert_eq!(back.len(), 2 * width);
+        for k in 0..width {
+            let given: f64 = (0..3).map(|cell| volumes[cell] * fraction[cell] * field[width * cell + k]).sum();
+            let taken: f64 = (0..2).map(|i| volume * back[width * i + k]).sum();
+            assert!((given - taken).abs() <= 1e-14 * given.abs().max(1.0), "{name} {k}: {given} {taken}");
+        }
+    }
+    // The particles' own columns are still there.
+    assert_eq!(column(&folder, "back.vtp", "velocity")[0], 1.0);
+    // A constant comes back as that constant, and times the part of the particle that is in the cells.
+    let one = SPECIES.replace("--grid 0,2,0,1,0,1 --cells 3,1,1", "--grid 0,1.5,0,1,0,1 --cells 1");
+    folder.succeeds(&format!("{one} --frames 0 --to-particles back.csv --out one.vti"));
+    let table = CsvTable::read(&folder.path("back.csv")).unwrap();
+    let inside = table.column("fraction_in_cells").unwrap();
+    assert!((inside[0] - 1.0).abs() < 1e-15 && (inside[1] - 0.5).abs() < 1e-15, "{inside:?}");
+    let density = column(&folder, "one.vti", "density")[0];
+    for (found, part) in table.column("field_density").unwrap().iter().zip([1.0, 0.5]) {
+        assert!((found - part * density).abs() < 1e-14 * density);
+    }
+    folder.succeeds(&format!("{SPECIES} --to-particles back.pvd --out o.pvd"));
+    assert_eq!(vtk::read_pvd(&folder.path("back.pvd")).unwrap().len(), 2);
+    for (options, reason) in [
+        ("--to-particles b.vti --frames 0 --out x.vti", "ends in .vtp or .csv"),
+        ("--to-particles b.vtp --out x.pvd", "ends in .pvd, since there is a result for each frame"),
+        ("--to-particles b.vtp --average --out x.vti", "leave out --average"),
+        ("--to-particles b.vtp --function lucy --width 1 --out x.vti", "--function exact"),
+        ("--to-particles x.vti --frames 0 --out x.vti", "overwrite another file"),
+    ] {
+        mentions(&folder.fails(&format!("{SPECIES} {options}")), &[reason]);
+    }
+    let round = "fields --particles species.data --density 3 --coordinates RZ --cells 2,2";
+    mentions(&folder.fails(&format!("{round} --face-fields f.vtp --out r.csv")), &["cylindrical"]);
+}
+
+#[test]
+fn frames_computed_at_the_same_time_are_those_of_one_after_the_other() {
+    let folder = mercury();
+    // Seven frames: more than threads, and no multiple of them.
+    let (mut data, mut contacts) = (String::new(), String::new());
+    for frame in 0..7 {
+        let x = 0.4 + 0.03 * f64::from(frame);
+        data += &format!(
+            "2 {frame} 0 0 0 2 1 1\n{x} 0.5 0.5 {frame} 0 0 0.5 0 0 0 0 0 0 0\n1.5 0.5 0.5 0 0 1 0.5 0 0 0 0 0 0 0\n"
+        );
+        contacts += &format!(
+            "# {frame} 1\n# 0 0 0 2 1 1\n# 0.5 0.5 0 0 0 0\n{frame} 0 -1 {x} 0.5 0 0 0 {frame} 0 0 0 -1 0 0 0\n"
+        );
+    }
+    folder.write("many.data", data);
+    folder.write("many.fstat", contacts);
+    let run = |threads: &str, out: &str| {
+        let line = format!(
+            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --face-fields faces_{out} --to-particles \
+             back_{out} --out {out}"
+        );
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_fieldstone"))
+            .args(line.split_whitespace())
+            .current_dir(folder.path(""))
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap();
+        assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
+        let steps = vtk::read_pvd(&folder.path(out)).unwrap();
+        steps
+            .into_iter()
+            .map(|(time, path)| (time, column(&folder, path.file_name().unwrap().to_str().unwrap(), "density")))
+            .collect::<Vec<_>>()
+    };
+    let one = run("1", "one.pvd");
+    assert_eq!(one.len(), 7);
+    assert_eq!(run("4", "four.pvd"), one);
+    for frame in 0..7 {
+        // Each by itself, but for the settings that the file repeats.
+        folder.succeeds(&format!(
+            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --frames {frame} --out alone.vti"
+        ));
+        for name in ["density", "contact_stress"] {
+            let alone = column(&folder, "alone.vti", name);
+            assert_eq!(column(&folder, &format!("four_{frame}.vti"), name), alone, "{name} of frame {frame}");
+        }
+        let same = |name: &str| [format!("{name}_one_{frame}.vtp"), format!("{name}_four_{frame}.vtp")];
+        for [a, b] in [same("faces"), same("back")] {
+            assert_eq!(
+                vtk::read_vtk(&folder.path(&a)).unwrap().cell_data,
+                vtk::read_vtk(&folder.path(&b)).unwrap().cell_data
+            );
+        }
+    }
+}
+
 #[test]
 fn lammps_contacts_come_from_columns_or_presets() {
     let folder = grains();

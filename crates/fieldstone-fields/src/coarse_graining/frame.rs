@@ -134,27 +134,20 @@ impl<'a> Frame<'a> {
     /// All contacts as [`Frame::side`] sees them.
     pub fn sides(&self, contacts: &Contacts) -> Result<Vec<Contact>, FieldsError> {
         let count = self.len();
-        let sides: Vec<Contact> = contacts
-            .iter()
-            .enumerate()
-            .map(|(index, contact)| {
-                let other = match contact.partner {
-                    Partner::Particle(other) => other,
-                    Partner::Wall(_) => contact.particle,
-                };
-                let particle = contact.particle.max(other);
-                if particle as usize >= count {
-                    let unknown = fieldstone_particles::ParticlesError::UnknownParticle {
-                        index,
-                        particle,
-                        particle_count: count,
-                    };
-                    return Err(FieldsError::Particles(unknown));
-                }
-                Ok(self.side(contact))
-            })
-            .filter_map(Result::transpose)
-            .collect::<Result<_, _>>()?;
+        let mut sides = Vec::with_capacity(contacts.len());
+        for (index, contact) in contacts.iter().enumerate() {
+            let other = match contact.partner {
+                Partner::Particle(other) => other,
+                Partner::Wall(_) => contact.particle,
+            };
+            let particle = contact.particle.max(other);
+            if particle as usize >= count {
+                let unknown =
+                    fieldstone_particles::ParticlesError::UnknownParticle { index, particle, particle_count: count };
+                return Err(FieldsError::Particles(unknown));
+            }
+            sides.extend(self.side(contact));
+        }
         Ok(sides)
     }
 }

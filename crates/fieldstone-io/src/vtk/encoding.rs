@@ -1,10 +1,11 @@
 //! How writers store arrays: text or bytes, compressed or not.
 
 use std::fmt::Write as _;
-use std::io::Read;
+use std::io::{Read, Write};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use rayon::prelude::*;
 
 use crate::Values;
 
@@ -136,14 +137,32 @@ impl Column<'_> {
         }
     }
 
-    /// Little-endian bytes of the numbers `from..to`.
+    /// Appends the little-endian bytes of the numbers `from..to`.
     fn bytes(self, from: usize, to: usize, out: &mut Vec<u8>) {
         match self {
-            Self::F64(v) => out.extend(v[from..to].iter().flat_map(|x| x.to_le_bytes())),
-            Self::F32(v) => out.extend(v[from..to].iter().flat_map(|x| x.to_le_bytes())),
-            Self::I64(v) => out.extend(v[from..to].iter().flat_map(|x| x.to_le_bytes())),
+            Self::F64(v) => append(v[from..to].iter().map(|x| x.to_le_bytes()), out),
+            Self::F32(v) => append(v[from..to].iter().map(|x| x.to_le_bytes()), out),
+            Self::I64(v) => append(v[from..to].iter().map(|x| x.to_le_bytes()), out),
             Self::U8(v) => out.extend_from_slice(&v[from..to]),
         }
+    }
+
+    /// Length of [`Column::write_raw`].
+    pub fn raw_length(self) -> usize {
+        8 + self.len() * self.width()
+    }
+
+    /// Writes length and data, without compression, and without a copy of them all.
+    pub fn write_raw(self, out: &mut dyn Write) -> std::io::Result<()> {
+        out.write_all(&((self.len() * self.width()) as u64).to_le_bytes())?;
+        let step = BLOCK / self.width();
+        let mut plain = Vec::with_capacity(BLOCK);
+        for from in (0..self.len()).step_by(step) {
+            plain.clear();
+            self.bytes(from, (from + step).min(self.len()), &mut plain);
+            out.write_all(&plain)?;
+        }
+        Ok(())
     }
 
     /// The numbers as text, `components` to a line; shortest forms that are read back unchanged.
@@ -164,54 +183,63 @@ impl Column<'_> {
         }
     }
 
-    /// Length header and data, compressed and, where asked for, in base64.
-    pub fn encode(self, compression: VtkCompression, base64: bool, out: &mut Vec<u8>) -> std::io::Result<()> {
+    /// Length header and data, compressed and, where asked for, in base64: pieces that follow each other.
+    ///
+    /// Blocks are compressed in parallel. Each is of a fixed size and by itself, so the bytes are the same for any number
+    /// of threads.
+    pub fn encode(self, compression: VtkCompression, base64: bool) -> std::io::Result<Vec<Vec<u8>>> {
         let size = self.len() * self.width();
         let mut header: Vec<u8> = Vec::new();
         let mut data = Vec::new();
         if compression == VtkCompression::None {
             header.extend((size as u64).to_le_bytes());
             // In one go with the data: base64 has no padding between the two.
-            data.append(&mut header);
-            self.bytes(0, self.len(), &mut data);
+            self.bytes(0, self.len(), &mut header);
         } else {
             let step = BLOCK / self.width();
-            let blocks = self.len().div_ceil(step);
+            let starts: Vec<usize> = (0..self.len()).step_by(step).collect();
             let last = size % BLOCK;
-            for number in [blocks, if blocks == 0 { 0 } else { BLOCK }, last] {
+            for number in [starts.len(), if starts.is_empty() { 0 } else { BLOCK }, last] {
                 header.extend((number as u64).to_le_bytes());
             }
-            let mut plain = Vec::with_capacity(BLOCK.min(size));
-            for from in (0..self.len()).step_by(step) {
-                plain.clear();
-                self.bytes(from, (from + step).min(self.len()), &mut plain);
-                let before = data.len();
-                compress(&plain, compression, &mut data)?;
-                header.extend(((data.len() - before) as u64).to_le_bytes());
-            }
+            data = starts
+                .par_iter()
+                .map_init(Vec::new, |plain, &from| {
+                    plain.clear();
+                    self.bytes(from, (from + step).min(self.len()), plain);
+                    compress(plain, compression)
+                })
+                .collect::<std::io::Result<Vec<_>>>()?;
+            data.iter().for_each(|block| header.extend((block.len() as u64).to_le_bytes()));
         }
-        for part in [header, data] {
-            if base64 {
-                out.extend(STANDARD.encode(part).into_bytes());
-            } else {
-                out.extend(part);
-            }
+        if base64 {
+            return Ok(vec![STANDARD.encode(header).into_bytes(), STANDARD.encode(data.concat()).into_bytes()]);
         }
-        Ok(())
+        data.insert(0, header);
+        Ok(data)
     }
 }
 
-fn compress(block: &[u8], compression: VtkCompression, out: &mut Vec<u8>) -> std::io::Result<()> {
+/// Appends the bytes of numbers of N bytes.
+fn append<const N: usize>(numbers: impl ExactSizeIterator<Item = [u8; N]>, out: &mut Vec<u8>) {
+    let start = out.len();
+    // Into room that is there already: byte by byte this would be slower than the disk.
+    out.resize(start + N * numbers.len(), 0);
+    out[start..].as_chunks_mut().0.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
+}
+
+fn compress(block: &[u8], compression: VtkCompression) -> std::io::Result<Vec<u8>> {
+    let mut out = Vec::new();
     match compression {
         VtkCompression::None => out.extend_from_slice(block),
         VtkCompression::Zlib => {
             // Level 4: on floating-point fields, higher ones cost time and save next to nothing.
-            flate2::read::ZlibEncoder::new(block, flate2::Compression::new(4)).read_to_end(out)?;
+            flate2::read::ZlibEncoder::new(block, flate2::Compression::new(4)).read_to_end(&mut out)?;
         }
-        VtkCompression::Lz4 => out.extend(lz4_flex::block::compress(block)),
+        VtkCompression::Lz4 => out = lz4_flex::block::compress(block),
         VtkCompression::Lzma => {
-            liblzma::read::XzEncoder::new(block, 5).read_to_end(out)?;
+            liblzma::read::XzEncoder::new(block, 5).read_to_end(&mut out)?;
         }
     }
-    Ok(())
+    Ok(out)
 }

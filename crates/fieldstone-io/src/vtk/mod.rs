@@ -4,8 +4,8 @@
 //! particles of it. All encodings that VTK writes are readable: text, base64 and raw; without compression,
 //! zlib, lz4 and lzma; both header widths; both byte orders; polyhedra in the layouts before and since VTK 9.4.
 //!
-//! [`write_vtu`], [`write_vti`], [`write_vtp_particles`] and [`write_vtp_surface`] write what VTK, ParaView,
-//! pyvista and meshio open; [`write_pvd`] lists such files over time.
+//! [`write_vtu`], [`write_vti`], [`write_vtp_particles`], [`write_vtp_surface`] and [`write_vtp_polygons`] write what VTK,
+//! ParaView, pyvista and meshio open; [`write_pvd`] lists such files over time.
 
 mod blocks;
 mod cells;
@@ -34,7 +34,7 @@ pub use mesh::{VtkMesh, read_vtk_mesh};
 pub use particles::read_vtk_particles;
 pub use series::{read_pvd, write_pvd};
 pub use write_mesh::{write_vti, write_vtu};
-pub use write_polydata::{write_vtp_particles, write_vtp_particles_with, write_vtp_surface};
+pub use write_polydata::{write_vtp_particles, write_vtp_particles_with, write_vtp_polygons, write_vtp_surface};
 pub use xml_writer::VtkArrays;
 
 use crate::{IoError, source};

@@ -1,4 +1,4 @@
-//! Writes particles and surfaces (`.vtp`).
+//! Writes particles, surfaces and other polygons (`.vtp`).
 
 use std::path::Path;
 
@@ -6,13 +6,14 @@ use fieldstone_particles::Particles;
 
 use super::encoding::{Column, VtkEncoding};
 use super::xml_writer::{VtkArrays, XmlFile};
-use crate::{DataArray, IoError, Position, Values};
+use crate::{DataArray, IoError, Position};
 
-/// Cells of a `.vtp`: vertices or triangles.
+/// Cells of a `.vtp`: vertices or polygons.
 struct Cells<'a> {
     element: &'static str,
     connectivity: &'a [i64],
-    corners: usize,
+    /// End of each cell's part of `connectivity`.
+    ends: &'a [i64],
 }
 
 /// Writes particles as `.vtp`: a vertex each, with radius, id, type and all quantities as columns on points.
@@ -65,15 +66,15 @@ pub fn write_vtp_particles_with(
     columns.extend_from_slice(computed);
     let arrays = VtkArrays { points: &columns, time: particles.time(), ..VtkArrays::default() };
     let connectivity: Vec<i64> = (0..particles.len() as i64).collect();
-    let cells = Cells { element: "Verts", connectivity: &connectivity, corners: 1 };
+    let ends: Vec<i64> = (1..=particles.len() as i64).collect();
+    let cells = Cells { element: "Verts", connectivity: &connectivity, ends: &ends };
     write(path, particles.positions(), cells, arrays, encoding)
 }
 
 /// Writes a surface of triangles with columns on points and triangles as `.vtp`.
 ///
 /// # Errors
-/// [`IoError::Content`] where a triangle names a point that does not exist or a column has not one row per
-/// point or triangle; [`IoError::System`].
+/// As [`write_vtp_polygons`].
 ///
 /// ```
 /// use fieldstone_io::vtk::{VtkArrays, VtkEncoding, read_vtk, write_vtp_surface};
@@ -91,13 +92,57 @@ pub fn write_vtp_surface(
     arrays: VtkArrays<'_>,
     encoding: VtkEncoding,
 ) -> Result<(), IoError> {
-    if let Some(bad) = triangles.iter().position(|t| t.iter().any(|&p| p as usize >= points.len())) {
-        let found = format!("triangle {bad} names points {:?}, but there are {}", triangles[bad], points.len());
-        return Err(IoError::content(path, Position::File, found, "give all points; nothing was written"));
+    let connectivity = triangles.as_flattened();
+    let ends: Vec<usize> = (1..=triangles.len()).map(|k| 3 * k).collect();
+    write_vtp_polygons(path, points, connectivity, &ends, arrays, encoding)
+}
+
+/// Writes polygons with columns on points and polygons as `.vtp`: the faces of a mesh, say.
+///
+/// `corners` lists the points of all polygons one after the other, and `ends` where each polygon's list ends.
+///
+/// # Errors
+/// [`IoError::Content`] where a polygon names a point that does not exist, the lists do not fit each other, or a column has
+/// not one row per point or polygon; [`IoError::System`].
+///
+/// ```
+/// use fieldstone_io::DataArray;
+/// use fieldstone_io::vtk::{VtkArrays, VtkEncoding, read_vtk, write_vtp_polygons};
+/// // A square and a triangle beside it.
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("two.vtp");
+/// let area = [DataArray::scalar("area", vec![1.0, 0.5])];
+/// let arrays = VtkArrays { cells: &area, ..VtkArrays::default() };
+/// write_vtp_polygons(&path, &points, &[0, 1, 2, 3, 1, 4, 2], &[4, 7], arrays, VtkEncoding::default())?;
+/// let back = read_vtk(&path)?;
+/// assert_eq!(back.cells.types(), [9, 5]);
+/// assert_eq!(back.cell_data, area);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_vtp_polygons(
+    path: &Path,
+    points: &[[f64; 3]],
+    corners: &[u32],
+    ends: &[usize],
+    arrays: VtkArrays<'_>,
+    encoding: VtkEncoding,
+) -> Result<(), IoError> {
+    let refuse = |found: String, remedy: &str| {
+        Err(IoError::content(path, Position::File, found, format!("{remedy}; nothing was written")))
+    };
+    if let Some(bad) = corners.iter().position(|&p| p as usize >= points.len()) {
+        let polygon = ends.partition_point(|&end| end <= bad);
+        let found = format!("polygon {polygon} names point {}, but there are {}", corners[bad], points.len());
+        return refuse(found, "give all points");
     }
-    let connectivity: Vec<i64> = triangles.as_flattened().iter().map(|&p| p.into()).collect();
-    let cells = Cells { element: "Polys", connectivity: &connectivity, corners: 3 };
-    write(path, points, cells, arrays, encoding)
+    if !ends.is_sorted() || ends.last().copied().unwrap_or(0) != corners.len() {
+        let found = format!("the ends of the polygons do not rise to the number of their corners, {}", corners.len());
+        return refuse(found, "give the end of every polygon's list");
+    }
+    let connectivity: Vec<i64> = corners.iter().map(|&p| p.into()).collect();
+    let ends: Vec<i64> = ends.iter().map(|&end| end as i64).collect();
+    write(path, points, Cells { element: "Polys", connectivity: &connectivity, ends: &ends }, arrays, encoding)
 }
 
 fn write(
@@ -107,7 +152,7 @@ fn write(
     arrays: VtkArrays<'_>,
     encoding: VtkEncoding,
 ) -> Result<(), IoError> {
-    let count = cells.connectivity.len() / cells.corners;
+    let count = cells.ends.len();
     let mut attributes = format!(" NumberOfPoints=\"{}\"", points.len());
     for element in ["Verts", "Lines", "Strips", "Polys"] {
         let own = if element == cells.element { count } else { 0 };
@@ -122,8 +167,7 @@ fn write(
     file.close("Points");
     file.open(cells.element, "");
     file.array("connectivity", 1, Column::I64(cells.connectivity))?;
-    let ends: Vec<i64> = (1..=count as i64).map(|k| k * cells.corners as i64).collect();
-    file.array("offsets", 1, Column::from(&Values::I64(ends)))?;
+    file.array("offsets", 1, Column::I64(cells.ends))?;
     file.close(cells.element);
     file.close("Piece");
     file.finish()

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
-use super::encoding::{Column, VtkEncoding, VtkFormat};
+use super::encoding::{Column, VtkCompression, VtkEncoding, VtkFormat};
 use crate::{AtomicFile, DataArray, IoError, Position};
 
 /// Columns that go into a VTK file beside the geometry.
@@ -30,12 +30,22 @@ pub struct VtkArrays<'a> {
     pub component_names: &'a [(&'a str, &'a [String])],
 }
 
-/// A file under construction, in memory: offsets of appended arrays must be known before they are written.
+/// A piece of the appended data.
+enum Appended<'a> {
+    /// Encoded already.
+    Bytes(Vec<u8>),
+    /// To be written as it is.
+    Raw(Column<'a>),
+}
+
+/// A file under construction: offsets of appended arrays must be known before they are written.
 pub(super) struct XmlFile<'a> {
     path: &'a Path,
     encoding: VtkEncoding,
     text: String,
-    appended: Vec<u8>,
+    appended: Vec<Appended<'a>>,
+    /// Length of what has been appended.
+    length: usize,
     kind: &'static str,
 }
 
@@ -53,11 +63,11 @@ impl<'a> XmlFile<'a> {
              header_type=\"UInt64\"{}>\n<{kind}{attributes}>\n",
             encoding.compressor_attribute()
         );
-        let mut file = Self { path, encoding, text, appended: Vec::new(), kind };
+        let mut file = Self { path, encoding, text, appended: Vec::new(), length: 0, kind };
         if arrays.time.is_some() || !arrays.texts.is_empty() {
             file.open("FieldData", "");
             if let Some(time) = arrays.time {
-                file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]))?;
+                file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]), |_| None)?;
             }
             for (name, content) in arrays.texts {
                 file.string(name, content);
@@ -86,11 +96,19 @@ impl<'a> XmlFile<'a> {
     }
 
     /// Adds an array.
-    pub fn array(&mut self, name: &str, components: usize, column: Column<'_>) -> Result<(), IoError> {
-        self.numbers(name, &format!(" NumberOfComponents=\"{components}\""), components, column)
+    pub fn array(&mut self, name: &str, components: usize, column: Column<'a>) -> Result<(), IoError> {
+        self.numbers(name, &format!(" NumberOfComponents=\"{components}\""), components, column, Some)
     }
 
-    fn numbers(&mut self, name: &str, shape: &str, components: usize, column: Column<'_>) -> Result<(), IoError> {
+    /// Adds an array; `keep` gives it back where it lives as long as the file does, and need not be copied.
+    fn numbers<'c>(
+        &mut self,
+        name: &str,
+        shape: &str,
+        components: usize,
+        column: Column<'c>,
+        keep: impl Fn(Column<'c>) -> Option<Column<'a>>,
+    ) -> Result<(), IoError> {
         let system = |source| IoError::System { path: self.path.into(), action: "write", source };
         let _ = write!(self.text, "<DataArray type=\"{}\" Name=\"{}\"{shape}", column.type_name(), escape(name));
         let compression = self.encoding.compression;
@@ -101,14 +119,25 @@ impl<'a> XmlFile<'a> {
                 self.text.push_str("</DataArray>\n");
             }
             VtkFormat::Inline => {
-                let mut bytes = Vec::new();
-                column.encode(compression, true, &mut bytes).map_err(system)?;
-                let _ = writeln!(self.text, " format=\"binary\">\n{}\n</DataArray>", String::from_utf8_lossy(&bytes));
+                self.text.push_str(" format=\"binary\">\n");
+                for piece in column.encode(compression, true).map_err(system)? {
+                    self.text.push_str(&String::from_utf8_lossy(&piece));
+                }
+                self.text.push_str("\n</DataArray>\n");
             }
             VtkFormat::AppendedBase64 | VtkFormat::AppendedRaw => {
-                let _ = writeln!(self.text, " format=\"appended\" offset=\"{}\"/>", self.appended.len());
+                let _ = writeln!(self.text, " format=\"appended\" offset=\"{}\"/>", self.length);
                 let base64 = self.encoding.format == VtkFormat::AppendedBase64;
-                column.encode(compression, base64, &mut self.appended).map_err(system)?;
+                let plain = !base64 && compression == VtkCompression::None;
+                if let Some(column) = keep(column).filter(|_| plain) {
+                    self.length += column.raw_length();
+                    self.appended.push(Appended::Raw(column));
+                } else {
+                    for piece in column.encode(compression, base64).map_err(system)? {
+                        self.length += piece.len();
+                        self.appended.push(Appended::Bytes(piece));
+                    }
+                }
             }
         }
         Ok(())
@@ -118,7 +147,7 @@ impl<'a> XmlFile<'a> {
     pub fn columns(
         &mut self,
         element: &str,
-        arrays: &[DataArray],
+        arrays: &'a [DataArray],
         tuples: usize,
         component_names: &[(&str, &[String])],
     ) -> Result<(), IoError> {
@@ -145,7 +174,7 @@ impl<'a> XmlFile<'a> {
             for (k, name) in names.iter().enumerate().filter(|_| names.len() == array.components) {
                 let _ = write!(shape, " ComponentName{k}=\"{}\"", escape(name.as_str()));
             }
-            self.numbers(&array.name, &shape, array.components, column)?;
+            self.numbers(&array.name, &shape, array.components, column, Some)?;
         }
         self.close(element);
         Ok(())
@@ -163,7 +192,12 @@ impl<'a> XmlFile<'a> {
             out.write_all(self.text.as_bytes())?;
             if let Some(encoding) = base64 {
                 write!(out, "<AppendedData encoding=\"{encoding}\">\n_")?;
-                out.write_all(&self.appended)?;
+                for piece in &self.appended {
+                    match piece {
+                        Appended::Bytes(bytes) => out.write_all(bytes)?,
+                        Appended::Raw(column) => column.write_raw(out)?,
+                    }
+                }
                 out.write_all(b"\n</AppendedData>\n")?;
             }
             out.write_all(b"</VTKFile>\n")

@@ -8,6 +8,12 @@ use fieldstone::particles::Particles;
 use super::settings::Settings;
 use crate::cli::arguments::{available_memory, check_memory};
 
+/// Bytes that a cell takes while its numbers are computed: the sums, the fields that come of them, and a copy while they
+/// are written.
+pub(super) fn bytes_per_cell(columns: usize) -> u64 {
+    24 * columns as u64 + 100
+}
+
 /// Cells of any kind.
 pub(super) enum CellSet {
     Mesh(Box<Mesh>),
@@ -33,8 +39,7 @@ impl CellSet {
             Self::Cylinder(grid) => grid.cell_count(),
             Self::Mesh(_) => 0,
         };
-        // The sums, the fields that come of them, and a copy while they are written.
-        check_memory(count as u64, 24 * columns as u64 + 100, available_memory())?;
+        check_memory(count as u64, bytes_per_cell(columns), available_memory())?;
         Ok(cells)
     }
 

@@ -4,12 +4,14 @@ use std::collections::VecDeque;
 
 use anyhow::{anyhow, bail};
 use fieldstone::fields::{
-    CoarseGraining, CoarseGrainingOptions, Fields, FieldsError, displacements, gaussian_time_weights,
+    CoarseGraining, CoarseGrainingOptions, Fields, FieldsError, Selection, displacements, gaussian_time_weights,
 };
 use fieldstone::io::{MercuryRestart, SeriesFrame};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Contacts, Particles, Quantity};
+use rayon::prelude::*;
 
+use super::faces::{FaceFields, FaceSums};
 use super::settings::Settings;
 
 /// A frame with everything that fields may need.
@@ -21,6 +23,8 @@ pub(super) struct Frame {
     pub name: String,
     pub particles: Particles,
     pub contacts: Option<Contacts>,
+    /// What crosses the cells' faces, once it has been looked at.
+    pub faces: Option<FaceSums>,
 }
 
 /// Time that a frame is taken to be of: its own, else by its step, else its place in the series.
@@ -54,7 +58,7 @@ impl Frame {
             particles = particles.with_quantity(masses)?;
         }
         let time = time_of(settings, index, &particles);
-        Ok(Self { index, time, name, particles, contacts })
+        Ok(Self { index, time, name, particles, contacts, faces: None })
     }
 
     /// An error with the frame that it is about.
@@ -110,56 +114,136 @@ pub(super) enum OverTime {
     SmoothAt { width: f64, at: f64 },
 }
 
+/// What to make of the frames.
+pub(super) struct Plan<'a> {
+    pub options: &'a CoarseGrainingOptions,
+    /// Types of particles that get fields of their own, beside those of all.
+    pub species: &'a [i64],
+    /// What crosses the faces in a frame, where the cells have faces.
+    pub faces: Option<&'a FaceSource<'a>>,
+    /// Whether the particles are needed after their fields are there.
+    pub keep_particles: bool,
+    /// Frames that are computed at the same time, where each has its own result.
+    pub at_once: usize,
+}
+
+/// What crosses the faces in a frame.
+pub(super) type FaceSource<'a> = dyn Fn(&Frame) -> Result<FaceSums, FieldsError> + Sync + 'a;
+
 /// Fields of one time.
 pub(super) struct Outcome {
     pub fields: Fields,
     pub time: f64,
     /// Place of the frame that this is the result of, or is centred at.
     pub index: usize,
+    pub faces: FaceFields,
+    /// The worst frame's residual.
+    pub balance: Option<f64>,
+    /// Where they were asked to be kept.
+    pub particles: Option<Particles>,
+}
+
+/// A result on its way.
+struct Running<'a, C: Cells> {
+    plan: &'a Plan<'a>,
+    all: CoarseGraining<'a, C>,
+    species: Vec<CoarseGraining<'a, C>>,
+    faces: FaceFields,
+    balance: Option<f64>,
+}
+
+impl<'a, C: Cells> Running<'a, C> {
+    fn new(cells: &'a C, plan: &'a Plan<'a>) -> Result<Self, FieldsError> {
+        let options = plan.options;
+        let of_type = |species: &i64| {
+            let selection = Selection { types: Some(vec![*species]), ..options.selection.clone() };
+            CoarseGraining::new(cells, CoarseGrainingOptions { selection, ..options.clone() })
+        };
+        Ok(Self {
+            plan,
+            all: CoarseGraining::new(cells, options.clone())?,
+            species: plan.species.iter().map(of_type).collect::<Result<_, _>>()?,
+            faces: FaceFields::default(),
+            balance: None,
+        })
+    }
+
+    fn add(&mut self, frame: &Frame, weight: f64) -> anyhow::Result<()> {
+        for grains in std::iter::once(&mut self.all).chain(&mut self.species) {
+            grains.accumulate(&frame.particles, frame.contacts.as_ref(), weight).map_err(|e| frame.placed(e))?;
+        }
+        if let Some(faces) = &frame.faces {
+            self.faces.add(faces, weight);
+            self.balance = match (self.balance, faces.balance) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
+        }
+        Ok(())
+    }
+
+    fn finish(self, time: f64, index: usize) -> anyhow::Result<Outcome> {
+        let mut fields = self.all.finish()?;
+        for (species, grains) in self.plan.species.iter().zip(self.species) {
+            let own = grains.finish()?.fields.into_iter().map(|mut field| {
+                field.name = format!("{}_species_{species}", field.name);
+                field
+            });
+            fields.fields.extend(own);
+        }
+        let (faces, balance) = (self.faces.mean(), self.balance);
+        Ok(Outcome { fields, time, index, faces, balance, particles: None })
+    }
 }
 
 /// Computes fields and hands them on, one result after the other.
+///
+/// Frames with a result each are computed some at a time, while the results before them are handed on. The results and
+/// their order are those of one frame after the other.
 pub(super) fn compute<C: Cells>(
     cells: &C,
-    options: &CoarseGrainingOptions,
+    plan: &Plan<'_>,
     over_time: OverTime,
     frames: impl Iterator<Item = anyhow::Result<Frame>>,
     sink: &mut dyn FnMut(Outcome) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let start = || CoarseGraining::new(cells, options.clone());
-    let add = |grains: &mut CoarseGraining<'_, C>, frame: &Frame, weight: f64| {
-        grains.accumulate(&frame.particles, frame.contacts.as_ref(), weight).map_err(|e| frame.placed(e))
+    let look_at_faces = |mut frame: Frame| -> anyhow::Result<Frame> {
+        let found = plan.faces.map(|faces| faces(&frame)).transpose();
+        frame.faces = found.map_err(|e| frame.placed(e))?;
+        Ok(frame)
     };
+    if over_time == OverTime::Each {
+        let one = |frame: Frame| -> anyhow::Result<Outcome> {
+            let frame = look_at_faces(frame)?;
+            let mut running = Running::new(cells, plan)?;
+            running.add(&frame, 1.0)?;
+            let outcome = running.finish(frame.time, frame.index)?;
+            Ok(Outcome { particles: plan.keep_particles.then_some(frame.particles), ..outcome })
+        };
+        return some_at_a_time(plan.at_once, frames, one, sink);
+    }
+    let mut frames = frames.map(|frame| look_at_faces(frame?));
+    let start = || Running::new(cells, plan);
     match over_time {
-        OverTime::Each => {
-            for frame in frames {
-                let frame = frame?;
-                let mut grains = start()?;
-                add(&mut grains, &frame, 1.0)?;
-                sink(Outcome { fields: grains.finish()?, time: frame.time, index: frame.index })?;
-            }
-            Ok(())
-        }
-        OverTime::Mean => {
-            let mut grains = start()?;
+        OverTime::Each | OverTime::Mean => {
+            let mut running = start()?;
             let (mut sum, mut count) = (0.0, 0usize);
             for frame in frames {
                 let frame = frame?;
-                add(&mut grains, &frame, 1.0)?;
+                running.add(&frame, 1.0)?;
                 (sum, count) = (sum + frame.time, count + 1);
             }
-            sink(Outcome { fields: grains.finish()?, time: sum / count.max(1) as f64, index: 0 })
+            sink(running.finish(sum / count.max(1) as f64, 0)?)
         }
         OverTime::SmoothAt { width, at } => {
-            let mut grains = start()?;
+            let mut running = start()?;
             for frame in frames {
                 let frame = frame?;
-                add(&mut grains, &frame, gaussian_time_weights(&[frame.time], at, width, None)?[0])?;
+                running.add(&frame, gaussian_time_weights(&[frame.time], at, width, None)?[0])?;
             }
-            sink(Outcome { fields: grains.finish()?, time: at, index: 0 })
+            sink(running.finish(at, 0)?)
         }
         OverTime::SmoothEach(width) => {
-            let mut frames = frames;
             // Frames within reach of the one that a result is for, and which of them that is.
             let mut window: VecDeque<Frame> = VecDeque::new();
             let mut centre = 0;
@@ -178,15 +262,40 @@ pub(super) fn compute<C: Cells>(
                     centre -= 1;
                 }
                 let times: Vec<f64> = window.iter().map(|frame| frame.time).collect();
-                let mut grains = start()?;
+                let mut running = start()?;
                 for (frame, weight) in window.iter().zip(gaussian_time_weights(&times, at, width, None)?) {
                     if weight > 0.0 {
-                        add(&mut grains, frame, weight)?;
+                        running.add(frame, weight)?;
                     }
                 }
-                sink(Outcome { fields: grains.finish()?, time: at, index })?;
+                sink(running.finish(at, index)?)?;
                 centre += 1;
             }
+        }
+    }
+}
+
+/// Computes `at_once` frames in parallel, while the results before them are handed on; in the order of the frames.
+fn some_at_a_time(
+    at_once: usize,
+    mut frames: impl Iterator<Item = anyhow::Result<Frame>>,
+    one: impl Fn(Frame) -> anyhow::Result<Outcome> + Sync,
+    sink: &mut dyn FnMut(Outcome) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut ready: Vec<Outcome> = Vec::new();
+    loop {
+        let batch: Vec<Frame> = frames.by_ref().take(at_once.max(1)).collect::<Result<_, _>>()?;
+        let last = batch.is_empty();
+        let mut computed = Vec::new();
+        let handed_on = rayon::in_place_scope(|scope| {
+            // What is handed on stays on this thread, which is none of the pool's.
+            scope.spawn(|_| batch.into_par_iter().map(&one).collect_into_vec(&mut computed));
+            ready.drain(..).try_for_each(&mut *sink)
+        });
+        handed_on?;
+        ready = computed.into_iter().collect::<anyhow::Result<_>>()?;
+        if last {
+            return Ok(());
         }
     }
 }

@@ -3,6 +3,7 @@
 mod account;
 mod cells;
 mod contacts;
+mod faces;
 mod frames;
 mod names;
 mod output;
@@ -16,22 +17,23 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use fieldstone::fields::{
     CoarseGrainingOptions, Field, FieldName, Fields, FieldsError, Function, Kernel, Method, Selection, UserQuantity,
-    contact_traction,
+    Weights, field_at_particles,
 };
 use fieldstone::io::{
     BackgroundSeries, ContactFiles, FrameRange, MercuryRestart, ParticleOptions, Series, find_files, read_restart,
 };
 use fieldstone::mesh::Cells;
-use fieldstone::particles::{Contacts, Domain, Particles};
+use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::arguments::Periodic;
+use super::arguments::{Periodic, available_memory};
 use super::{outputs, report};
 use account::{Account, Seen};
-use cells::CellSet;
-use frames::{Frame, Outcome, OverTime, compute, time_of, with_displacements};
+use cells::{CellSet, bytes_per_cell};
+use faces::FaceSums;
+use frames::{Frame, Outcome, OverTime, Plan, compute, time_of, with_displacements};
 pub(crate) use names::mercury_name;
-use output::{CellKind, Format, Writer};
+use output::{CellKind, Content, Format, Writer, check_side};
 use settings::{FunctionName, Settings, Sign};
 
 /// Continuum fields from particles and contacts: density, velocity, stress, temperature, … on a grid or mesh
@@ -83,6 +85,8 @@ struct Run<'a> {
     periodic: Periodic,
     options: CoarseGrainingOptions,
     gravity: Option<[f64; 3]>,
+    /// Types that get fields of their own.
+    species: Vec<i64>,
 }
 
 impl<'a> Run<'a> {
@@ -108,8 +112,35 @@ impl<'a> Run<'a> {
             .chain(config)
             .collect();
         outputs::check("--out", out, &inputs)?;
-        if let Some(path) = &settings.json {
-            outputs::check("--json", path, &[&inputs[..], &[out]].concat())?;
+        let mut taken = [&inputs[..], &[out]].concat();
+        let sides = [
+            ("--face-fields", &settings.face_fields),
+            ("--to-particles", &settings.to_particles),
+            ("--json", &settings.json),
+        ];
+        for (option, path) in sides {
+            if let Some(path) = path {
+                outputs::check(option, path, &taken)?;
+                taken.push(path);
+            }
+        }
+        if let Some(path) = &settings.face_fields {
+            if kind == CellKind::Cylinder {
+                bail!(
+                    "--face-fields goes with grids and meshes: what crosses the curved faces of cylindrical cells is not \
+                     computed"
+                );
+            }
+            check_side("--face-fields", path, &["vtp"], format.is_series())?;
+        }
+        if let Some(path) = &settings.to_particles {
+            if settings.average == Some(true) || settings.smooth.is_some() {
+                bail!("--to-particles needs the fields of one frame at a time; leave out --average and --smooth");
+            }
+            if matches!(settings.function, Some(FunctionName::Kernel(_))) {
+                bail!("--to-particles goes with overlaps, whose weights are volumes: --function exact");
+            }
+            check_side("--to-particles", path, &["vtp", "csv"], format.is_series())?;
         }
         let gravity = settings.gravity.as_ref().map(|g| g.exactly("gravity")).transpose()?;
         let mut run = Self {
@@ -122,6 +153,7 @@ impl<'a> Run<'a> {
             periodic: settings.periodic.as_deref().unwrap_or("auto").parse().map_err(|e| anyhow!("--periodic: {e}"))?,
             options: CoarseGrainingOptions::default(),
             gravity,
+            species: Vec::new(),
         };
         run.options = run.options()?;
         run.range = run.range()?;
@@ -226,7 +258,7 @@ impl<'a> Run<'a> {
             restart.warnings.iter().for_each(|warning| report::warn(warning));
         }
         let over_time = self.over_time()?;
-        let mut series = self.series(true).in_background(1)?;
+        let mut series = self.series(true).in_background(rayon::current_num_threads())?;
         let Some(first) = series.next().transpose()? else {
             bail!("{}: none of its frames is in the range; check --frames", self.files[0].display())
         };
@@ -236,20 +268,22 @@ impl<'a> Run<'a> {
         if self.settings.fields.as_deref() == Some("all") && first.particles.quantity("angular_velocity").is_err() {
             self.options.fields.retain(|field| !needs_spin(*field));
         }
+        self.species = self.species(&first)?;
         let cells = CellSet::new(self.settings, &first.particles, self.columns())?;
         let mut job = Job { cells: &cells, first, series: &mut series, restart: restart.as_ref(), over_time };
+        let keep = self.settings.face_fields.is_some();
         let account = match &cells {
             CellSet::Mesh(mesh) => {
-                let balance = |p: &Particles, c: &Contacts, d: Option<&Domain>| {
-                    contact_traction(mesh.as_ref(), p, c, d).map(|traction| traction.balance_residual)
+                let faces = |frame: &Frame, domain: Option<&Domain>| {
+                    FaceSums::new(mesh.as_ref(), &frame.particles, frame.contacts.as_ref(), domain, keep)
                 };
-                self.on_cells(mesh.as_ref(), Some(&balance), &mut job)?
+                self.on_cells(mesh.as_ref(), Some(&faces), &mut job)?
             }
             CellSet::Grid(grid) => {
-                let balance = |p: &Particles, c: &Contacts, d: Option<&Domain>| {
-                    contact_traction(grid, p, c, d).map(|traction| traction.balance_residual)
+                let faces = |frame: &Frame, domain: Option<&Domain>| {
+                    FaceSums::new(grid, &frame.particles, frame.contacts.as_ref(), domain, keep)
                 };
-                self.on_cells(grid, Some(&balance), &mut job)?
+                self.on_cells(grid, Some(&faces), &mut job)?
             }
             CellSet::Cylinder(grid) => self.on_cells(grid, None, &mut job)?,
         };
@@ -271,7 +305,7 @@ impl<'a> Run<'a> {
     fn on_cells<C: Cells>(
         &mut self,
         cells: &C,
-        balance: Option<&Balance<'_>>,
+        faces: Option<&FacesInBox<'_>>,
         job: &mut Job<'_>,
     ) -> anyhow::Result<Account> {
         let (domain, note) = self.periodic.domain(&job.first.particles, cells.bounds())?;
@@ -281,6 +315,8 @@ impl<'a> Run<'a> {
         self.options.domain = domain;
         let echo = format!("{}{}", self.settings.echo()?, self.legend());
         let mut writer = Writer::new(self.out, self.format, job.cells, echo, self.settings)?;
+        let beside = [&self.settings.face_fields, &self.settings.to_particles];
+        beside.into_iter().flatten().try_for_each(|path| writer.beside(path))?;
         let bar =
             ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
         bar.enable_steady_tick(Duration::from_millis(200));
@@ -288,36 +324,64 @@ impl<'a> Run<'a> {
         let changed = Cell::new(false);
         let first_box = job.first.particles.domain().copied();
         let settings = self.settings;
-        let placeholder = Frame { particles: Particles::default(), contacts: None, name: String::new(), ..job.first };
+        if settings.face_fields.is_some() && job.first.contacts.is_none() && !moves(&job.first.particles) {
+            bail!("--face-fields: {}: there are neither contacts nor velocities; give --contacts", job.first.name);
+        }
+        let placeholder =
+            Frame { particles: Particles::default(), contacts: None, name: String::new(), faces: None, ..job.first };
         let first = std::mem::replace(&mut job.first, placeholder);
         let restart = job.restart;
         let rest = job.series.map(|frame| Frame::new(settings, restart, frame?));
         let frames = std::iter::once(Ok(first)).chain(rest).map(|frame| {
             let frame = frame?;
+            self.check_types(&frame)?;
             changed.set(changed.get() || frame.particles.domain().copied() != first_box);
             let mut seen = seen.borrow_mut();
             seen.frames += 1;
             seen.particles = frame.particles.len();
             seen.contacts = frame.contacts.as_ref().map(Contacts::len);
-            if let (Some(balance), Some(contacts)) = (balance, &frame.contacts) {
-                let residual = balance(&frame.particles, contacts, domain.as_ref()).map_err(|e| frame.placed(e))?;
-                seen.balance = Some(seen.balance.map_or(residual, |worst| worst.max(residual)));
-            }
             bar.inc(1);
             Ok(frame)
         });
         let mut results = Account::default();
         let mut sink = |mut outcome: Outcome| {
             results.add(&outcome.fields, |cell| cells.cell_volume(cell));
-            if let Some(g) = self.gravity {
-                outcome.fields.fields.extend(body_force(&outcome.fields, g));
+            if let Some(residual) = outcome.balance {
+                let mut seen = seen.borrow_mut();
+                seen.balance = Some(seen.balance.map_or(residual, |worst| worst.max(residual)));
             }
-            writer.put(outcome)
+            if let Some(g) = self.gravity {
+                let forces = body_forces(&outcome.fields, g);
+                outcome.fields.fields.extend(forces);
+            }
+            let mut contents = Vec::new();
+            if settings.face_fields.is_some() {
+                contents.push(Content::Faces(std::mem::take(&mut outcome.faces)));
+            }
+            if let Some(particles) = outcome.particles.take() {
+                contents.push(Content::Particles(self.at_particles(cells, particles, &outcome.fields)?));
+            }
+            writer.put(outcome, contents)
+        };
+        let in_box;
+        let faces = match faces {
+            Some(faces) => {
+                in_box = |frame: &Frame| faces(frame, domain.as_ref());
+                Some(&in_box as &frames::FaceSource<'_>)
+            }
+            None => None,
+        };
+        let plan = Plan {
+            options: &self.options,
+            species: &self.species,
+            faces,
+            keep_particles: settings.to_particles.is_some(),
+            at_once: self.at_once(job.cells.count()),
         };
         if self.displaced() {
-            compute(cells, &self.options, job.over_time, with_displacements(frames), &mut sink)?;
+            compute(cells, &plan, job.over_time, with_displacements(frames), &mut sink)?;
         } else {
-            compute(cells, &self.options, job.over_time, frames, &mut sink)?;
+            compute(cells, &plan, job.over_time, frames, &mut sink)?;
         }
         bar.finish_and_clear();
         writer.finish()?;
@@ -357,7 +421,67 @@ impl<'a> Run<'a> {
     /// Numbers per cell in the result.
     fn columns(&self) -> usize {
         let named: usize = self.options.fields.iter().map(|field| field.components().len()).sum();
-        named + self.options.quantities.iter().map(|quantity| quantity.columns.len()).sum::<usize>()
+        let own = named + self.options.quantities.iter().map(|quantity| quantity.columns.len()).sum::<usize>();
+        own * (1 + self.species.len())
+    }
+
+    /// Frames that are computed at the same time: as many as there are threads, where half of the free memory holds
+    /// them, and the results before them that are still being written.
+    fn at_once(&self, cells: usize) -> usize {
+        let frame = (cells as u64).saturating_mul(bytes_per_cell(self.columns())).max(1);
+        let fit = available_memory().map_or(1, |bytes| bytes / 2 / (2 * frame));
+        rayon::current_num_threads().min(usize::try_from(fit).unwrap_or(usize::MAX)).max(1)
+    }
+
+    /// Types that get fields of their own.
+    fn species(&self, first: &Frame) -> anyhow::Result<Vec<i64>> {
+        if self.settings.per_species != Some(true) {
+            return Ok(Vec::new());
+        }
+        let found = first.particles.types();
+        let found = found.ok_or_else(|| anyhow!("--per-species: {}: the particles have no types", first.name))?;
+        let mut types = self.options.selection.types.clone().unwrap_or_else(|| found.to_vec());
+        types.sort_unstable();
+        types.dedup();
+        if types.len() > MOST_SPECIES {
+            bail!(
+                "--per-species: {}: there are {} types, and each gets fields of its own; name up to {MOST_SPECIES} of them \
+                 with --species",
+                first.name,
+                types.len()
+            );
+        }
+        Ok(types)
+    }
+
+    /// Refuses a frame with a type that would be missing among the species.
+    fn check_types(&self, frame: &Frame) -> anyhow::Result<()> {
+        let wanted = self.settings.per_species == Some(true) && self.options.selection.types.is_none();
+        let types = frame.particles.types().unwrap_or_default();
+        match types.iter().find(|kind| wanted && self.species.binary_search(kind).is_err()) {
+            Some(new) => bail!(
+                "--per-species: {}: type {new} is not in the first frame; name all types with --species",
+                frame.name
+            ),
+            None => Ok(()),
+        }
+    }
+
+    /// The particles with the fields' means over them.
+    fn at_particles<C: Cells>(&self, cells: &C, particles: Particles, fields: &Fields) -> anyhow::Result<Particles> {
+        let Function::Overlap(method) = self.options.function else { return Ok(particles) };
+        let weights = Weights::build(cells, &particles, method, self.options.domain.as_ref())?;
+        let share = |i: usize| 1.0 - weights.outside()[i] / weights.particle_volumes()[i];
+        let inside = (0..weights.particles()).map(share).collect();
+        let mut quantities = vec![Quantity { name: "fraction_in_cells".into(), components: 1, data: inside }];
+        for field in &fields.fields {
+            let (name, components) = (format!("field_{}", field.name), field.components.len());
+            quantities.push(Quantity { name, components, data: field_at_particles(&weights, field)? });
+        }
+        quantities.into_iter().try_fold(particles, |all, quantity| {
+            let name = quantity.name.clone();
+            all.with_quantity(quantity).map_err(|e| anyhow!("--to-particles: {name}: {e}"))
+        })
     }
 
     /// Formulas and units, as comments below the settings.
@@ -371,8 +495,15 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Worst residual of the momentum balance of the cells, from a frame and its periodic box.
-type Balance<'a> = dyn Fn(&Particles, &Contacts, Option<&Domain>) -> Result<f64, FieldsError> + 'a;
+/// Types that may get fields of their own without being named: more of them are no species, but numbers of particles.
+const MOST_SPECIES: usize = 64;
+
+/// What crosses the faces in a frame, with its periodic box.
+type FacesInBox<'a> = dyn Fn(&Frame, Option<&Domain>) -> Result<FaceSums, FieldsError> + Sync + 'a;
+
+fn moves(particles: &Particles) -> bool {
+    particles.quantity("velocity").is_ok()
+}
 
 /// What is to be done on cells of one kind.
 struct Job<'a> {
@@ -399,13 +530,16 @@ fn needs_momentum(field: FieldName) -> bool {
     )
 }
 
-/// ρ g, where the density is there.
-fn body_force(fields: &Fields, g: [f64; 3]) -> Option<Field> {
-    let density = fields.get("density")?;
-    Some(Field {
-        name: "body_force_density".into(),
-        components: ["x", "y", "z"].map(String::from).into(),
-        unit: "force/length³".into(),
-        data: density.data.iter().flat_map(|rho| g.map(|g| rho * g)).collect(),
-    })
+/// ρ g of every density there is: that of all, and those of species.
+fn body_forces(fields: &Fields, g: [f64; 3]) -> Vec<Field> {
+    let force = |density: &Field| {
+        let of = density.name.strip_prefix("density").filter(|of| of.is_empty() || of.starts_with("_species_"))?;
+        Some(Field {
+            name: format!("body_force_density{of}"),
+            components: ["x", "y", "z"].map(String::from).into(),
+            unit: "force/length³".into(),
+            data: density.data.iter().flat_map(|rho| g.map(|g| rho * g)).collect(),
+        })
+    };
+    fields.fields.iter().filter_map(force).collect()
 }

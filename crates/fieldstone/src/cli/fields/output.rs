@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use fieldstone::fields::{Field, Function, KernelShape};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding, VtkImage};
-use fieldstone::io::{CsvWriter, DataArray, StatField, StatHeader, StatWriter};
+use fieldstone::io::{CsvWriter, DataArray, StatField, StatHeader, StatWriter, write_particles_csv};
 use fieldstone::mesh::{Cells, Coordinates};
 
+use fieldstone::particles::Particles;
+
 use super::cells::CellSet;
+use super::faces::FaceFields;
 use super::frames::Outcome;
 use super::names::mercury_name;
-use super::settings::Settings;
+use super::settings::{Encoding, Settings};
 use crate::cli::arguments::ending;
 
 /// What kind of file is asked for.
@@ -70,12 +73,89 @@ pub(super) struct Writer<'a> {
     width: f64,
     encoding: VtkEncoding,
     state: State,
+    /// What is written beside the fields on cells.
+    sides: Vec<Side<'a>>,
 }
 
 enum State {
-    One(Format, Option<Outcome>),
-    Series { staging: tempfile::TempDir, steps: Vec<(f64, PathBuf)> },
+    One(Format, Option<Box<Outcome>>),
+    Series(Staged),
     Stat(Option<StatWriter>),
+}
+
+/// Files of a series, which get their names when all are there, and the list of them over time.
+struct Staged {
+    list: PathBuf,
+    folder: tempfile::TempDir,
+    steps: Vec<(f64, PathBuf)>,
+}
+
+impl Staged {
+    fn new(list: &Path) -> anyhow::Result<Self> {
+        let parent = list.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = tempfile::Builder::new().prefix(".fieldstone-").tempdir_in(parent);
+        let folder = folder.with_context(|| format!("{}: cannot write", list.display()))?;
+        Ok(Self { list: list.into(), folder, steps: Vec::new() })
+    }
+
+    /// Adds a frame's file, which `write` writes.
+    fn add(
+        &mut self,
+        index: usize,
+        time: f64,
+        ending: &str,
+        write: impl FnOnce(&Path) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let stem = self.list.file_stem().unwrap_or_default().to_string_lossy();
+        let name = PathBuf::from(format!("{stem}_{index}.{ending}"));
+        write(&self.folder.path().join(&name))?;
+        self.steps.push((time, name));
+        Ok(())
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        let parent = self.list.parent().unwrap_or(Path::new(""));
+        for (_, name) in &self.steps {
+            let target = parent.join(name);
+            std::fs::rename(self.folder.path().join(name), &target)
+                .with_context(|| format!("{}: cannot write", target.display()))?;
+        }
+        Ok(vtk::write_pvd(&self.list, &self.steps)?)
+    }
+}
+
+/// Files beside the fields on cells.
+struct Side<'a> {
+    path: &'a Path,
+    series: Option<Staged>,
+    /// The only result, with its time.
+    pending: Option<(Content, f64)>,
+}
+
+/// What such a file holds.
+pub(super) enum Content {
+    Faces(FaceFields),
+    Particles(Particles),
+}
+
+impl Content {
+    fn write(&self, path: &Path, cells: &CellSet, time: f64, echo: &str, encoding: VtkEncoding) -> anyhow::Result<()> {
+        match self {
+            Self::Faces(faces) => faces.write(path, cells, time, echo, encoding),
+            Self::Particles(particles) if ending(path) == "csv" => Ok(write_particles_csv(path, particles)?),
+            Self::Particles(particles) => Ok(vtk::write_vtp_particles(path, particles, encoding)?),
+        }
+    }
+}
+
+/// Checks the name of a file beside the fields: one of `endings`, or a list of such files where the fields are one.
+pub(super) fn check_side(option: &str, path: &Path, endings: &[&str], series: bool) -> anyhow::Result<()> {
+    let wanted = if series { &["pvd"][..] } else { endings };
+    if !wanted.contains(&ending(path).as_str()) {
+        let why = if series { ", since there is a result for each frame" } else { "" };
+        bail!("{option} {}: give a name that ends in .{}{why}", path.display(), wanted.join(" or ."));
+    }
+    Ok(())
 }
 
 impl<'a> Writer<'a> {
@@ -88,35 +168,48 @@ impl<'a> Writer<'a> {
     ) -> anyhow::Result<Self> {
         let state = match format {
             Format::Stat => State::Stat(None),
-            Format::Pvd => {
-                let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-                let staging = tempfile::Builder::new().prefix(".fieldstone-").tempdir_in(folder);
-                let staging = staging.with_context(|| format!("{}: cannot write", path.display()))?;
-                State::Series { staging, steps: Vec::new() }
-            }
+            Format::Pvd => State::Series(Staged::new(path)?),
             one => State::One(one, None),
         };
-        let (width, encoding) =
-            (settings.width.unwrap_or(0.0), settings.encoding.map_or_else(VtkEncoding::default, Into::into));
-        Ok(Self { path, cells, echo, width, encoding, state })
+        let width = settings.width.unwrap_or(0.0);
+        let encoding = settings.encoding.unwrap_or(match cells {
+            // Meshes are read by programs that know zlib only; grids have most cells, and those programs read none.
+            CellSet::Mesh(_) => Encoding::Zlib,
+            _ => Encoding::Lz4,
+        });
+        let encoding = encoding.into();
+        Ok(Self { path, cells, echo, width, encoding, state, sides: Vec::new() })
     }
 
-    /// Takes a result.
-    pub fn put(&mut self, outcome: Outcome) -> anyhow::Result<()> {
+    /// Adds a file beside the fields on cells; results come with contents for the sides in the order of this.
+    pub fn beside(&mut self, path: &'a Path) -> anyhow::Result<()> {
+        let series = if ending(path) == "pvd" { Some(Staged::new(path)?) } else { None };
+        self.sides.push(Side { path, series, pending: None });
+        Ok(())
+    }
+
+    /// Takes a result, and what belongs beside it.
+    pub fn put(&mut self, outcome: Outcome, contents: Vec<Content>) -> anyhow::Result<()> {
+        for (side, content) in self.sides.iter_mut().zip(contents) {
+            match &mut side.series {
+                Some(staged) => staged.add(outcome.index, outcome.time, "vtp", |path| {
+                    content.write(path, self.cells, outcome.time, &self.echo, self.encoding)
+                })?,
+                None => side.pending = Some((content, outcome.time)),
+            }
+        }
         match &mut self.state {
             State::One(_, Some(_)) => bail!(
                 "--out {}: the frames give several results, and this file holds one; give a .pvd or .stat file, or \
                  --average, --smooth, or one frame (--frames)",
                 self.path.display()
             ),
-            State::One(_, slot) => *slot = Some(outcome),
-            State::Series { staging, steps } => {
-                let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+            State::One(_, slot) => *slot = Some(Box::new(outcome)),
+            State::Series(staged) => {
                 let ending = if matches!(self.cells, CellSet::Mesh(_)) { "vtu" } else { "vti" };
-                let name = PathBuf::from(format!("{stem}_{}.{ending}", outcome.index));
-                let time = outcome.time;
-                write_vtk(&staging.path().join(&name), self.cells, outcome, &self.echo, self.encoding)?;
-                steps.push((time, name));
+                let (cells, echo, encoding) = (self.cells, &self.echo, self.encoding);
+                staged
+                    .add(outcome.index, outcome.time, ending, |path| write_vtk(path, cells, outcome, echo, encoding))?;
             }
             State::Stat(writer) => {
                 let CellSet::Grid(grid) = self.cells else { bail!("this output does not go with these cells") };
@@ -151,21 +244,23 @@ impl<'a> Writer<'a> {
     pub fn finish(self) -> anyhow::Result<()> {
         match self.state {
             State::One(format, Some(outcome)) => match format {
-                Format::Csv => write_csv(self.path, self.cells, &outcome, &self.echo),
-                _ => write_vtk(self.path, self.cells, outcome, &self.echo, self.encoding),
+                Format::Csv => write_csv(self.path, self.cells, &outcome, &self.echo)?,
+                _ => write_vtk(self.path, self.cells, *outcome, &self.echo, self.encoding)?,
             },
-            State::Series { staging, steps } if !steps.is_empty() => {
-                let folder = self.path.parent().unwrap_or(Path::new(""));
-                for (_, name) in &steps {
-                    let target = folder.join(name);
-                    std::fs::rename(staging.path().join(name), &target)
-                        .with_context(|| format!("{}: cannot write", target.display()))?;
-                }
-                Ok(vtk::write_pvd(self.path, &steps)?)
-            }
-            State::Stat(Some(writer)) => Ok(writer.finish()?),
+            State::Series(staged) if !staged.steps.is_empty() => staged.finish()?,
+            State::Stat(Some(writer)) => writer.finish()?,
             _ => bail!("there is no frame to write; check --frames"),
         }
+        for side in self.sides {
+            match (side.series, side.pending) {
+                (Some(staged), _) => staged.finish()?,
+                (None, Some((content, time))) => {
+                    content.write(side.path, self.cells, time, &self.echo, self.encoding)?;
+                }
+                (None, None) => {}
+            }
+        }
+        Ok(())
     }
 }
 

@@ -170,11 +170,11 @@ choice!(Mean for MeanVelocity {
 });
 
 choice!(Encoding for VtkEncoding {
-    /// compressed by zlib: read by everything
+    /// compressed by zlib: smallest, and read by everything; slow where cells are many
     Zlib => VtkEncoding::default(),
-    /// compressed by LZ4: faster and larger; not read by meshio
-    Lz4 => VtkEncoding { compression: VtkCompression::Lz4, ..VtkEncoding::default() },
-    /// bytes as they are: fastest and largest
+    /// compressed by LZ4: as fast as bytes as they are, and empty cells take no place; not read by meshio
+    Lz4 => VtkEncoding { format: VtkFormat::AppendedRaw, compression: VtkCompression::Lz4, ..VtkEncoding::default() },
+    /// bytes as they are: largest
     Raw => VtkEncoding { format: VtkFormat::AppendedRaw, compression: VtkCompression::None, ..VtkEncoding::default() },
     /// text
     Text => VtkEncoding::TEXT,
@@ -274,6 +274,11 @@ pub(crate) struct Settings {
     /// Types (species) that count; the others act like walls
     #[arg(long, value_name = "TYPES", allow_hyphen_values = true)]
     pub species: Option<Numbers<i64>>,
+    /// Beside each field the same of every type (species) by itself, as density_species_2
+    ///
+    /// The types are those of --species, else those of the first frame.
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub per_species: Option<bool>,
     /// Least and largest radius of the particles that count
     #[arg(long, value_name = "RMIN,RMAX")]
     pub radii: Option<Numbers<f64>>,
@@ -301,9 +306,21 @@ pub(crate) struct Settings {
     /// Result: .vti (grid), .vtu (mesh), .pvd (one of them per frame), .csv, or .stat (MercuryCG's layout)
     #[arg(short, long, value_name = "OUT")]
     pub out: Option<PathBuf>,
-    /// How .vti and .vtu files keep their numbers [default: zlib]
+    /// How .vti, .vtu and .vtp files keep their numbers [default: lz4 for grids, zlib for meshes]
     #[arg(long, value_enum, value_name = "HOW")]
     pub encoding: Option<Encoding>,
+    /// Also write what crosses the cells' faces, as polygons: .vtp, or .pvd with a file for each frame
+    ///
+    /// Grids and meshes only. contact_force, the force that contacts carry through a face along its normal, and the same
+    /// over its area, contact_traction; solid_flux, the solid volume per time. They close the balances of momentum and
+    /// solid volume of every cell. All particles count, whatever is selected.
+    #[arg(long, value_name = "FILE")]
+    pub face_fields: Option<PathBuf>,
+    /// Also write the particles with the means of the fields over each of them, as field_density: .vtp, .csv, or .pvd
+    ///
+    /// By the same overlaps that made the fields; fraction_in_cells is the part of a particle that lies in cells.
+    #[arg(long, value_name = "FILE")]
+    pub to_particles: Option<PathBuf>,
     /// Also write the account as JSON
     ///
     /// Keys: mass_in, mass_binned, mass_clipped, momentum_in, momentum_binned, stress_sum_contacts, stress_sum_fields,
@@ -339,8 +356,8 @@ impl Settings {
             };
         }
         either!(particles restart density mass_column radius allow_non_spherical mesh grid cells coordinates axis origin
-            function width cutoff conserve fields stress_form sign walls mean_velocity gravity species radii region periodic
-            frames average smooth timestep out encoding json)
+            function width cutoff conserve fields stress_form sign walls mean_velocity gravity species per_species radii region
+            periodic frames average smooth timestep out encoding face_fields to_particles json)
     }
 
     /// What clap refuses on the command line may come from a file.
