@@ -6,8 +6,9 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
-use fieldstone::io::vtk::{VtkEncoding, read_vtk_particles, write_vtp_particles};
+use fieldstone::io::vtk::{VtkEncoding, read_pvd, read_vtk_particles, write_vtp_particles};
 use fieldstone::io::{AtomicFile, CsvTable};
+use fieldstone::particles::Particles;
 use fieldstone::sph::{Case, CaseIntegrator, Outcome, RunFolder, Solver, State, particles_of, run};
 
 use crate::cli::reproduce::progress;
@@ -67,6 +68,7 @@ pub(super) struct Flows {
 pub(super) struct FlowRun {
     pub case: Case,
     folder: PathBuf,
+    /// Times whose frames are kept.
     times: Vec<f64>,
 }
 
@@ -80,16 +82,17 @@ pub(super) struct Frame {
 impl Flows {
     /// Computes a flow to the last of `times`, or goes on where an earlier call was stopped.
     ///
-    /// A flow of the same name that has all frames is not computed again.
-    pub fn run(&self, name: &str, mut case: Case, times: &[f64]) -> anyhow::Result<FlowRun> {
+    /// A flow of the same name that has frames at all `times` is not computed again. Frames at `others` are kept, too,
+    /// where the flow passes them.
+    pub fn run(&self, name: &str, mut case: Case, times: &[f64], others: &[f64]) -> anyhow::Result<FlowRun> {
         self.stepping.apply(&mut case);
         let spacing = case.sections.spacing;
         let folder = self.folder.join("flows").join(format!("{name}_{spacing}{}", self.stepping.suffix()));
         let end = times.iter().copied().fold(0.0, f64::max);
         case.sections.time.end = end;
         case.sections.output.checkpoint_every = 60.0;
-        let flow = FlowRun { case, folder, times: times.to_vec() };
-        if !flow.is_complete() {
+        let flow = FlowRun { case, folder, times: [times, others].concat() };
+        if !times.iter().all(|&t| flow.has_frame(t)) {
             self.compute(&flow, name)?;
         }
         Ok(flow)
@@ -132,8 +135,9 @@ impl FlowRun {
         self.folder.join(format!("frame_{time:.3}s.vtp"))
     }
 
-    fn is_complete(&self) -> bool {
-        self.times.iter().all(|&t| t == 0.0 || self.frame_path(t).exists())
+    /// Whether a frame at a time was kept.
+    pub fn has_frame(&self, time: f64) -> bool {
+        time == 0.0 || self.frame_path(time).exists()
     }
 
     /// The first particles at or after a time, one of those it was run for.
@@ -141,10 +145,7 @@ impl FlowRun {
         if time == 0.0 {
             return Ok(Frame { solver: self.case.solver()?, time });
         }
-        self.frame_of(&self.frame_path(time))
-    }
-
-    fn frame_of(&self, path: &Path) -> anyhow::Result<Frame> {
+        let path = &self.frame_path(time);
         let particles = read_vtk_particles(path)?;
         let column = |name: &str| particles.quantity(name).map_err(|e| anyhow!("{}: {e}", path.display()));
         let ids = particles.ids().unwrap_or_default().iter().map(|&id| u32::try_from(id));
@@ -156,6 +157,13 @@ impl FlowRun {
         };
         let solver = Solver::new(self.case.flow()?, state)?;
         Ok(Frame { solver, time: particles.time().unwrap_or(0.0) })
+    }
+
+    /// All frames of the run's series, with their times.
+    pub fn series(&self) -> anyhow::Result<Vec<(f64, Particles)>> {
+        let steps = read_pvd(&RunFolder::create(&self.folder)?.series())?;
+        let read = |(time, path): (f64, PathBuf)| anyhow::Ok((time, read_vtk_particles(&path)?));
+        steps.into_iter().map(read).collect()
     }
 
     /// The table of gauges.

@@ -2,6 +2,7 @@
 
 mod cone_angle;
 mod flow_run;
+mod measured;
 mod middle_slice;
 mod picture;
 mod shaded;
@@ -11,15 +12,17 @@ mod times;
 mod visualization;
 mod window;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use fieldstone::io::AtomicFile;
 
 use self::flow_run::{Flows, IntegratorName, Stepping};
+use self::measured::Experiment;
 use self::tables::Table;
-use super::sections::{compute, make_folder, took, write_page};
-use crate::cli::{arguments, sph};
+use super::sections::make_folder;
+use crate::cli::{arguments, report, sph};
 
 /// Free-surface detection in dam breaks: Liu et al. (2022), Sec. 4.2 to 4.4
 ///
@@ -30,7 +33,8 @@ use crate::cli::{arguments, sph};
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone reproduce dam-break validation --slab --spacing 0.03 --only table1\n  \
-    fieldstone reproduce dam-break validation --slab --spacing 0.01")]
+    fieldstone reproduce dam-break validation --slab --spacing 0.01 --integrator rk4 --cfl 1.5\n  \
+    fieldstone reproduce dam-break validation --only column,buchner --measurements measured")]
 pub(super) struct DamBreak {
     /// Folder for the results; made where it is missing
     #[arg(value_name = "DIR")]
@@ -47,7 +51,10 @@ pub(super) struct DamBreak {
     /// CFL number, instead of the case's; the shift per step goes with it
     #[arg(long, value_name = "C", value_parser = arguments::positive)]
     cfl: Option<f64>,
-    /// Only these parts
+    /// Folder with measurements, for column, buchner, spheric2 and structure: the files are named where one is missing
+    #[arg(long, value_name = "FOLDER")]
+    measurements: Option<PathBuf>,
+    /// Only these parts; the page keeps the others of earlier calls
     #[arg(long, value_name = "PARTS", value_delimiter = ',', value_enum)]
     only: Vec<Part>,
 }
@@ -73,42 +80,95 @@ enum Part {
     Fig16,
     /// Shifting by Wang's and by the exact detection, to 2.97 s
     Fig18,
+    /// Front and height of a column against measurements
+    Column,
+    /// Pressure on a wall against Buchner's measurement
+    Buchner,
+    /// Pressure on a box and water levels against SPHERIC test 2
+    Spheric2,
+    /// Force on a tall structure against the measurement of Yeh and Petroff
+    Structure,
+}
+
+impl Part {
+    fn experiment(self) -> Option<Experiment> {
+        match self {
+            Self::Column => Some(Experiment::Column),
+            Self::Buchner => Some(Experiment::Buchner),
+            Self::Spheric2 => Some(Experiment::Spheric2),
+            Self::Structure => Some(Experiment::TallStructure),
+            _ => None,
+        }
+    }
 }
 
 impl DamBreak {
-    pub(super) fn run(self) -> anyhow::Result<()> {
-        make_folder(&self.folder)?;
+    pub(super) fn run(mut self) -> anyhow::Result<()> {
+        if self.only.is_empty() {
+            let measured = self.measurements.is_some();
+            self.only =
+                Part::value_variants().iter().copied().filter(|p| measured || p.experiment().is_none()).collect();
+        }
+        if let (None, Some(part)) = (&self.measurements, self.only.iter().find(|p| p.experiment().is_some())) {
+            bail!("--only {}: give the folder with the measurements, --measurements", name(*part));
+        }
+        let sections = self.folder.join("sections");
+        make_folder(&sections)?;
         let flows = Flows {
             folder: self.folder.clone(),
             stepping: Stepping { integrator: self.integrator, cfl: self.cfl },
             interrupt: sph::stop_on_ctrl_c()?,
         };
-        let mut rows = String::from("table,spacing,time,method,tp,misses,false_positives,m,paper_m\n");
-        let sections = compute(&self.only, |part| {
-            let mut table = |table: Table| table.section(&flows, &self.folder, self.spacing, self.slab, &mut rows);
-            let dam_break = || tables::dam_break(&flows, self.spacing, self.slab, &[]);
-            match part {
-                Part::Table1 => table(Table::DamBreak),
-                Part::Table2 => table(Table::TwoColumns),
-                Part::Table3 => table(Table::Obstacle),
-                Part::Fig11 => window::section(&dam_break()?, &self.folder),
-                Part::Fig12 => cone_angle::section(&dam_break()?, &self.folder),
-                Part::Fig13 => times::section(&flows, &self.folder, self.spacing, self.slab),
-                Part::Fig16 => visualization::section(&dam_break()?, &self.folder),
-                Part::Fig18 => shifting::section(&flows, &self.folder, self.spacing, self.slab),
-            }
-        })?;
-        if rows.lines().count() > 1 {
-            AtomicFile::write(&self.folder.join("tables.csv"), |out| out.write_all(rows.as_bytes()))?;
+        for &part in Part::value_variants().iter().filter(|p| self.only.contains(p)) {
+            let text = self.section(part, &flows)?;
+            let path = sections.join(name(part)).with_extension("md");
+            AtomicFile::write(&path, |out| out.write_all(text.as_bytes()))?;
+            self.write_page(&sections)?;
         }
-        let (seconds, _) = took(&sections);
-        let head = format!(
-            "# Free-surface detection in dam breaks\n\nSec. 4.2 to 4.4 of Liu et al. (2022), computed anew by `fieldstone \
-             reproduce dam-break`: TP free-surface particles by the exact method, EP misidentified ones (misses + false \
-             positives), M = (TP − EP)/TP. The flow is computed with shifting by the exact detection. Numbers of \
-             particles depend on spacing and flow; the paper's are quoted for comparison. This took {seconds:.0} s, not \
-             counting flows that an earlier call had computed.\n\n"
-        );
-        write_page(&self.folder, head, &sections)
+        report::print(&format!("written to           {}\n", self.folder.join("index.md").display()))
+    }
+
+    fn section(&self, part: Part, flows: &Flows) -> anyhow::Result<String> {
+        let folder = self.folder.as_path();
+        let table = |table: Table| table.section(flows, folder, self.spacing, self.slab);
+        let dam_break = || tables::dam_break(flows, self.spacing, self.slab, &[]);
+        match part {
+            Part::Table1 => table(Table::DamBreak),
+            Part::Table2 => table(Table::TwoColumns),
+            Part::Table3 => table(Table::Obstacle),
+            Part::Fig11 => window::section(&dam_break()?, folder),
+            Part::Fig12 => cone_angle::section(&dam_break()?, folder),
+            Part::Fig13 => times::section(flows, folder, self.spacing, self.slab),
+            Part::Fig16 => visualization::section(&dam_break()?, folder),
+            Part::Fig18 => shifting::section(flows, folder, self.spacing, self.slab),
+            Part::Column | Part::Buchner | Part::Spheric2 | Part::Structure => {
+                let (Some(experiment), Some(data)) = (part.experiment(), &self.measurements) else {
+                    return Ok(String::new());
+                };
+                experiment.section(flows, folder, data)
+            }
+        }
+    }
+
+    /// The page with all sections that there are, of this call and of earlier ones.
+    fn write_page(&self, sections: &Path) -> anyhow::Result<()> {
+        let mut page = String::from(HEAD);
+        for &part in Part::value_variants() {
+            if let Ok(text) = std::fs::read_to_string(sections.join(name(part)).with_extension("md")) {
+                page.push_str(&text);
+            }
+        }
+        let path = self.folder.join("index.md");
+        Ok(AtomicFile::write(&path, |out| out.write_all(page.trim_end().as_bytes()).and_then(|()| writeln!(out)))?)
     }
 }
+
+fn name(part: Part) -> String {
+    part.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
+}
+
+const HEAD: &str = "# Free-surface detection in dam breaks\n\nSec. 4.2 to 4.4 of Liu et al. (2022), computed anew by \
+    `fieldstone reproduce dam-break`: TP free-surface particles by the exact method, EP misidentified ones (misses + false \
+    positives), M = (TP − EP)/TP. The flows are computed with shifting by the exact detection. Numbers of particles depend \
+    on spacing and flow; the paper's are quoted for comparison. In pictures: red free surface, blue inner, green \
+    misidentified particles.\n\n";

@@ -16,7 +16,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::flow_run::{FlowRun, Flows};
 use super::middle_slice::{MiddleSlice, Segment, surroundings};
 use super::picture::View;
-use super::tables::{case, dam_break, dam_break_name, sampled};
+use super::tables::{case, dam_break, dam_break_name, tenths};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Curve, Plot, draw, save};
 
 /// When the paper looks.
@@ -40,11 +40,13 @@ pub(super) fn section(flows: &Flows, folder: &Path, spacing: f64, slab: bool) ->
     if let Some(shifting) = &mut case.sections.shifting {
         shifting.detection = "wang".into();
     }
-    let wang = flows.run(&format!("{name}-wang"), case, &sampled(&TIMES))?;
+    let wang = flows.run(&format!("{name}-wang"), case, &TIMES, &tenths(&TIMES))?;
     let runs = [exact, wang];
     let mut counts: [Vec<Counts>; 2] = [Vec::new(), Vec::new()];
     for (run, counts) in runs.iter().zip(&mut counts) {
-        for time in sampled(&TIMES) {
+        let mut times = [tenths(&TIMES), TIMES.to_vec()].concat();
+        times.sort_unstable_by(f64::total_cmp);
+        for time in times.into_iter().filter(|&t| run.has_frame(t)) {
             counts.push(count(run, time)?);
         }
     }

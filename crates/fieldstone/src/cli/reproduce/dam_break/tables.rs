@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
+use fieldstone::io::AtomicFile;
 use fieldstone::sph::{Case, SHIPPED, Solver};
 use fieldstone::surface::{Comparison, Exact, Haque, Marrone, SurfaceDetection, Wang};
 
@@ -30,17 +31,14 @@ const DAM_BREAK_TIMES: [f64; 5] = [0.52, 0.6, 1.42, 1.45, 1.8];
 /// The dam break of Table 1, which several figures look at, with the times of the tables and others.
 pub(super) fn dam_break(flows: &Flows, spacing: f64, slab: bool, others: &[f64]) -> anyhow::Result<FlowRun> {
     let name = dam_break_name(slab);
-    flows.run(name, case(name, spacing)?, &sampled(&[&DAM_BREAK_TIMES, others].concat()))
+    let times = [&DAM_BREAK_TIMES, others].concat();
+    flows.run(name, case(name, spacing)?, &times, &tenths(&times))
 }
 
-/// Times in order, with those every 0.1 s before the last of them.
-pub(super) fn sampled(times: &[f64]) -> Vec<f64> {
+/// Every 0.1 s before the last of the times.
+pub(super) fn tenths(times: &[f64]) -> Vec<f64> {
     let end = times.iter().copied().fold(0.0, f64::max);
-    let tenths = (1..).map(|k| f64::from(k) / 10.0).take_while(|t| *t < end);
-    let mut all: Vec<f64> = tenths.chain(times.iter().copied()).collect();
-    all.sort_unstable_by(f64::total_cmp);
-    all.dedup();
-    all
+    (1..).map(|k| f64::from(k) / 10.0).take_while(|t| *t < end).collect()
 }
 
 pub(super) fn dam_break_name(slab: bool) -> &'static str {
@@ -95,9 +93,9 @@ impl Table {
         match self {
             Self::DamBreak => dam_break(flows, spacing, slab, &[]),
             Self::TwoColumns => {
-                flows.run("double-dam-break", case("double-dam-break", 2.0 * spacing)?, &[0.0, 0.4, 0.8])
+                flows.run("double-dam-break", case("double-dam-break", 2.0 * spacing)?, &[0.0, 0.4, 0.8], &[])
             }
-            Self::Obstacle => flows.run("obstacle", case("obstacle", 0.5 * spacing)?, &[0.0, 0.4, 0.7]),
+            Self::Obstacle => flows.run("obstacle", case("obstacle", 0.5 * spacing)?, &[0.0, 0.4, 0.7], &[]),
         }
     }
 
@@ -110,15 +108,8 @@ impl Table {
         }
     }
 
-    /// Its section of the page; rows of tables.csv are added to `rows`.
-    pub fn section(
-        self,
-        flows: &Flows,
-        folder: &Path,
-        spacing: f64,
-        slab: bool,
-        rows: &mut String,
-    ) -> anyhow::Result<String> {
+    /// Its section of the page.
+    pub fn section(self, flows: &Flows, folder: &Path, spacing: f64, slab: bool) -> anyhow::Result<String> {
         let flow = self.flow(flows, spacing, slab)?;
         let layers = self.layers(slab, spacing);
         let spacing = flow.case.sections.spacing;
@@ -132,6 +123,7 @@ impl Table {
             NAMES.join(" | "),
         );
         let mut pictures = String::new();
+        let mut rows = String::from("spacing,time,method,tp,misses,false_positives,m,paper_m\n");
         for printed in &self.printed() {
             let Frame { solver, time } = flow.frame(printed.time)?;
             let (reference, others) = label(&solver)?;
@@ -143,13 +135,8 @@ impl Table {
                 let m = c.accuracy().unwrap_or(f64::NAN);
                 let (tp, ep) = (c.reference, c.misidentified());
                 let _ = write!(line, " {tp}/{ep} ({} + {})/{m:.3}, paper {paper:.3} |", c.misses, c.false_positives);
-                let _ = writeln!(
-                    rows,
-                    "{},{spacing},{time},{name},{tp},{},{},{m:.6},{paper}",
-                    self.file(),
-                    c.misses,
-                    c.false_positives
-                );
+                let _ =
+                    writeln!(rows, "{spacing},{time},{name},{tp},{},{},{m:.6},{paper}", c.misses, c.false_positives);
             }
             let tp = reference.iter().filter(|&&l| l).count();
             if let Some(layers) = layers {
@@ -161,6 +148,7 @@ impl Table {
             let _ = writeln!(text, "{line}");
             let _ = writeln!(pictures, "![at {:.2} s]({picture})", printed.time);
         }
+        AtomicFile::write(&folder.join(self.file()).with_extension("csv"), |out| out.write_all(rows.as_bytes()))?;
         Ok(format!("{text}\n{pictures}\n"))
     }
 }
