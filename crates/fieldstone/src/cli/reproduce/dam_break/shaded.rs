@@ -6,10 +6,11 @@ use plotters::element::BitMapElement;
 
 use crate::cli::reproduce::plots::Area;
 
-/// Directions to the right, up, and towards the eye: seen from the front, from above and a little from the left.
-const RIGHT: [f64; 3] = [0.97, -0.243, 0.0];
-const UP: [f64; 3] = [0.115, 0.459, 0.881];
-const NEAR: [f64; 3] = [-0.214, -0.855, 0.473];
+/// Directions to the right, up, and towards the eye: from the front, 5° from the left, 25° from above.
+fn directions() -> [[f64; 3]; 3] {
+    let ((s, c), (se, ce)) = (5f64.to_radians().sin_cos(), 25f64.to_radians().sin_cos());
+    [[c, -s, 0.0], [s * se, c * se, ce], [-s * ce, -c * ce, se]]
+}
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -18,10 +19,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Draws a surface so that the box between `low` and `high` fills the area.
 pub(super) fn draw(area: &Area<'_>, mesh: &TriangleMesh, low: [f64; 3], high: [f64; 3]) -> anyhow::Result<()> {
     let (width, height) = area.dim_in_pixel();
+    let [to_right, up, near] = directions();
     let corners = (0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] }));
     let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for corner in corners {
-        for (k, axis) in [RIGHT, UP].into_iter().enumerate() {
+        for (k, axis) in [to_right, up].into_iter().enumerate() {
             least[k] = least[k].min(dot(corner, axis));
             most[k] = most[k].max(dot(corner, axis));
         }
@@ -33,8 +35,8 @@ pub(super) fn draw(area: &Area<'_>, mesh: &TriangleMesh, low: [f64; 3], high: [f
         .points
         .iter()
         .map(|&p| {
-            let up = f64::from(height - 1) - scale * (dot(p, UP) - least[1]);
-            [scale * (dot(p, RIGHT) - least[0]), up, dot(p, NEAR)]
+            let down = f64::from(height - 1) - scale * (dot(p, up) - least[1]);
+            [scale * (dot(p, to_right) - least[0]), down, dot(p, near)]
         })
         .collect();
     for triangle in &mesh.triangles {
@@ -67,7 +69,7 @@ pub(super) fn draw(area: &Area<'_>, mesh: &TriangleMesh, low: [f64; 3], high: [f
                     std::array::from_fn(|k| u * normals[0][k] + v * normals[1][k] + w * normals[2][k]);
                 let length = dot(normal, normal).sqrt().max(f64::MIN_POSITIVE);
                 // Light from above and from the eye, on water.
-                let light = 0.25 + 0.45 * (normal[2] / length).max(0.0) + 0.3 * (dot(normal, NEAR) / length).abs();
+                let light = 0.25 + 0.45 * (normal[2] / length).max(0.0) + 0.3 * (dot(normal, near) / length).abs();
                 for (k, colour) in [90.0, 165.0, 235.0].into_iter().enumerate() {
                     pixels[3 * at + k] = (colour * light.min(1.0)) as u8;
                 }
