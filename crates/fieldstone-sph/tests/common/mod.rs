@@ -4,6 +4,11 @@
 use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Motion, Shape, Slip, Solver, State};
 use fieldstone_surface::Wall;
 
+/// Whether the flows run at the resolutions and times that the documentation quotes, in minutes.
+pub fn long() -> bool {
+    std::env::var_os("FIELDSTONE_SPH_LONG").is_some()
+}
+
 /// A state on the lattice of shapes, with velocity and pressure as functions of the position.
 pub fn state(
     shapes: &[Shape],

@@ -216,7 +216,8 @@ fn default_folder(case: &Path) -> PathBuf {
     if folder == case { case.with_extension("results") } else { folder }
 }
 
-fn stop_on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
+/// What Ctrl-C sets; once per process.
+pub(super) fn stop_on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupt);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("cannot listen for Ctrl-C")?;

@@ -14,8 +14,9 @@ const INNER: RGBColor = RGBColor(40, 70, 200);
 const MISIDENTIFIED: RGBColor = RGBColor(20, 160, 40);
 
 /// Width of each panel in pixels.
-const WIDTH: u32 = 1000;
-const TITLE: u32 = 40;
+const WIDTH: u32 = 860;
+const TITLE: u32 = 36;
+const MARGIN: u32 = 10;
 
 /// Labels by one method.
 pub(super) struct Panel<'a> {
@@ -23,34 +24,66 @@ pub(super) struct Panel<'a> {
     pub labels: &'a [bool],
 }
 
-/// Draws the panels two by two: red free surface, blue inner particles, green where a label differs from `reference`.
-///
-/// Particles are seen along y; drawn are those within `depth` of the nearest one, the nearest last.
+/// What is seen, along y.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    /// Left and right end.
+    pub x: [f64; 2],
+    /// Lower and upper end.
+    pub z: [f64; 2],
+    /// Nearest and farthest.
+    pub y: [f64; 2],
+}
+
+impl View {
+    /// Everything up to `depth` behind the nearest particle, in the tank's full length.
+    pub fn whole(solver: &Solver, depth: f64) -> Self {
+        let (state, flow) = (solver.state(), solver.flow());
+        let nearest = state.x.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+        let top = state.x.iter().map(|p| p[2]).fold(0.0, f64::max) + 2.0 * flow.fluid.spacing;
+        let [low, high] = [flow.boundaries.low, flow.boundaries.high];
+        Self { x: [low[0], high[0]], z: [low[2], top], y: [nearest, nearest + depth] }
+    }
+
+    /// The layer of particles whose plane is nearest to the middle of the tank, between two ends along x.
+    pub fn middle_layer(solver: &Solver, x: [f64; 2]) -> Self {
+        let (flow, spacing) = (solver.flow(), solver.flow().fluid.spacing);
+        let [low, high] = [flow.boundaries.low, flow.boundaries.high];
+        let layers = ((high[1] - low[1]) / spacing).round();
+        let y = low[1] + ((0.5 * layers).floor() + 0.5).min(layers - 0.5) * spacing;
+        Self { x, y: [y - 0.5 * spacing, y + 0.5 * spacing], ..Self::whole(solver, 0.0) }
+    }
+
+    pub fn sees(&self, p: [f64; 3]) -> bool {
+        let within = |value: f64, [low, high]: [f64; 2]| low <= value && value <= high;
+        within(p[0], self.x) && within(p[1], self.y) && within(p[2], self.z)
+    }
+}
+
+/// Draws the panels, `columns` in a row: red free surface, blue inner particles, green where a label differs from
+/// `reference`; the nearest particles last.
 pub(super) fn draw(
     path: &Path,
     solver: &Solver,
-    depth: f64,
+    view: View,
+    columns: usize,
     reference: &[bool],
     panels: &[Panel<'_>],
 ) -> anyhow::Result<()> {
     let x = &solver.state().x;
-    let boundaries = &solver.flow().boundaries;
-    let spacing = solver.flow().fluid.spacing;
-    let nearest = x.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
-    let top = x.iter().map(|p| p[2]).fold(0.0, f64::max) + 2.0 * spacing;
-    let mut order: Vec<usize> = (0..x.len()).filter(|&i| x[i][1] <= nearest + depth).collect();
+    let mut order: Vec<usize> = (0..x.len()).filter(|&i| view.sees(x[i])).collect();
     order.sort_by(|&a, &b| x[b][1].total_cmp(&x[a][1]).then(a.cmp(&b)));
-    let scale = f64::from(WIDTH - 20) / (boundaries.high[0] - boundaries.low[0]);
-    let height = TITLE + 20 + (scale * (top - boundaries.low[2])).ceil() as u32;
-    let radius = ((0.45 * scale * spacing).round() as i32).max(1);
-    let rows = panels.len().div_ceil(2);
-    save(path, (2 * WIDTH, rows as u32 * height), |root| {
-        for (area, panel) in root.split_evenly((rows, 2)).iter().zip(panels) {
-            let style = ("sans-serif", 26).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Top));
-            area.draw_text(&panel.title, &style, (10, 6)).map_err(|e| anyhow!("cannot draw: {e}"))?;
+    let scale = f64::from(WIDTH - 2 * MARGIN) / (view.x[1] - view.x[0]);
+    let height = TITLE + 2 * MARGIN + (scale * (view.z[1] - view.z[0])).ceil() as u32;
+    let radius = ((0.45 * scale * solver.flow().fluid.spacing).round() as i32).max(1);
+    let rows = panels.len().div_ceil(columns);
+    save(path, (columns as u32 * WIDTH, rows as u32 * height), |root| {
+        for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
+            let style = ("sans-serif", 24).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Top));
+            area.draw_text(&panel.title, &style, (MARGIN as i32, 6)).map_err(|e| anyhow!("cannot draw: {e}"))?;
             for &i in &order {
-                let right = 10 + (scale * (x[i][0] - boundaries.low[0])).round() as i32;
-                let down = height as i32 - 10 - (scale * (x[i][2] - boundaries.low[2])).round() as i32;
+                let right = MARGIN as i32 + (scale * (x[i][0] - view.x[0])).round() as i32;
+                let down = (height - MARGIN) as i32 - (scale * (x[i][2] - view.z[0])).round() as i32;
                 let colour = match (panel.labels[i], reference[i]) {
                     (true, true) => FREE,
                     (false, false) => INNER,

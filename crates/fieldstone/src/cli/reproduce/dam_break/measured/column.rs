@@ -1,0 +1,107 @@
+//! Fronts of a collapsing column: Koshizuka and Oka (1996), Martin and Moyce (1952).
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use plotters::chart::SeriesLabelPosition;
+
+use super::super::flow_run::Flows;
+use super::data::{Curved, gauge, pairs, relative_rms, rows};
+use super::{computed, measured, percent, run};
+use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
+
+/// Width of the computed column, and gravity.
+const WIDTH: f64 = 0.146;
+const GRAVITY: f64 = 9.81;
+/// Width of the column of the file in metres and seconds.
+const FILE_WIDTH: f64 = 1.0;
+/// Where the wall of Koshizuka and Oka stands, over the column's width.
+const WALL: f64 = 4.0;
+
+pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
+    let flow = run(flows, "column", include_str!("column.toml"))?;
+    // T = t √(2 g/a), Z = x/a; H = height over its start.
+    let scaled = |curve: Curved, width: f64, height: f64| -> Curved {
+        curve.into_iter().map(|(t, x)| (t * (2.0 * GRAVITY / width).sqrt(), x / height)).collect()
+    };
+    let front = scaled(gauge(&flow, "front")?, WIDTH, WIDTH);
+    let height = scaled(gauge(&flow, "height")?, WIDTH, 2.0 * WIDTH);
+    let last = front.last().map_or(0.0, |p| p.0);
+    let before_wall = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.1 < WALL).collect() };
+    let seen = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.0 <= last).collect() };
+    let fronts = [
+        (
+            "Koshizuka and Oka, file",
+            before_wall(scaled(pairs(&data.join("koshizuka_oka_1996_front.txt"))?, FILE_WIDTH, FILE_WIDTH)),
+        ),
+        ("Koshizuka and Oka, digitised", before_wall(pairs(&data.join("pysph_ko_data.txt"))?)),
+        ("Martin and Moyce, a = 28.6 mm", seen(pairs(&data.join("pysph_mm_data_1.txt"))?)),
+        ("Martin and Moyce, a = 57.2 mm", seen(pairs(&data.join("pysph_mm_data_2.txt"))?)),
+        ("Martin and Moyce, table 2", seen(table(data, "T", "Z")?)),
+    ];
+    // The height's time is t √(g/a).
+    let heights: Curved = seen(table(data, "tau", "H")?.into_iter().map(|(t, h)| (t * 2f64.sqrt(), h)).collect());
+
+    let mut text = String::from(
+        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = 50, in two dimensions; front Z = x/a \
+         and height H over T = t √(2g/a). Root mean square of computed over measured − 1, and the front's mean speed dZ/dT from \
+         Z = 1.8 to 3.8, which does not depend on how the gate opened; that of the computation opens at once:\n\n\
+         | measurement | points | RMS | speed, computed | measured | error |\n|---|---|---|---|---|---|\n",
+    );
+    for (name, curve, ours) in
+        fronts.iter().map(|(n, c)| (*n, c, &front)).chain([("Martin and Moyce, height, table 6", &heights, &height)])
+    {
+        let rms = relative_rms(ours, curve).unwrap_or(f64::NAN);
+        let _ = write!(text, "| {name} | {} | {:.1} % |", curve.len(), 100.0 * rms);
+        let _ = match (speed(ours), speed(curve)) {
+            (Some(a), Some(b)) => writeln!(text, " {a:.3} | {b:.3} | {} |", percent(a / b - 1.0)),
+            _ => writeln!(text, " – | – | – |"),
+        };
+    }
+    let mut curves = vec![computed("computed", &front)];
+    curves.extend(fronts.iter().zip(&COLOURS[1..]).map(|((name, curve), colour)| measured(name, curve, *colour)));
+    let axis = |name: &'static str, high: f64| Axis { name, range: [0.0, high], logarithmic: false };
+    let plots = [
+        Plot {
+            title: "Front".into(),
+            x: axis("t √(2g/a)", last),
+            y: axis("x/a", 10.0),
+            curves,
+            legend: Some(SeriesLabelPosition::UpperLeft),
+        },
+        Plot {
+            title: "Height".into(),
+            x: axis("t √(2g/a)", last),
+            y: axis("height over its start", 1.05),
+            curves: vec![computed("computed", &height), measured("Martin and Moyce, table 6", &heights, COLOURS[1])],
+            legend: Some(SeriesLabelPosition::UpperRight),
+        },
+    ];
+    draw(&folder.join("column.png"), &plots)?;
+    Ok(text + "\n")
+}
+
+/// Slope by least squares of a front between Z = 1.8 and 3.8; none for what does not go there.
+fn speed(front: &[(f64, f64)]) -> Option<f64> {
+    let points: Vec<&(f64, f64)> = front.iter().filter(|p| (1.8..=3.8).contains(&p.1)).collect();
+    let n = points.len() as f64;
+    let (mt, mz) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+    let (a, b) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + (p.0 - mt) * (p.1 - mz), s.1 + (p.0 - mt).powi(2)));
+    (points.len() > 2 && b > 0.0).then(|| a / b)
+}
+
+/// Two lines of numbers that begin with these names.
+fn table(data: &Path, x: &str, y: &str) -> anyhow::Result<Curved> {
+    let path = data.join("martin_moyce_1952_tables_2_6.txt");
+    // A name before the numbers makes them no row of numbers: the names are cut off.
+    let text = std::fs::read_to_string(&path)?;
+    let line = |name: &str| -> Vec<f64> {
+        let rest = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        rest.unwrap_or_default().split_whitespace().filter_map(|w| w.parse().ok()).collect()
+    };
+    let curve: Curved = line(x).into_iter().zip(line(y)).collect();
+    if curve.is_empty() {
+        rows(&path, 2)?;
+    }
+    Ok(curve)
+}

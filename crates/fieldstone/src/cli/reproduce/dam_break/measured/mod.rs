@@ -1,0 +1,59 @@
+//! Flows that were measured, beside the measurements: no time is shifted, no parameter fitted.
+
+mod buchner;
+mod column;
+mod data;
+mod spheric_2;
+mod tall_structure;
+
+use std::path::Path;
+
+use fieldstone::sph::Case;
+use plotters::style::RGBColor;
+
+use self::data::Curved;
+use super::flow_run::{FlowRun, Flows};
+use crate::cli::reproduce::plots::{COLOURS, Curve};
+
+/// A flow with measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Experiment {
+    Column,
+    Buchner,
+    Spheric2,
+    TallStructure,
+}
+
+impl Experiment {
+    /// Its section of the page, with measurements from the folder `data`.
+    pub fn section(self, flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
+        match self {
+            Self::Column => column::section(flows, folder, data),
+            Self::Buchner => buchner::section(flows, folder, data),
+            Self::Spheric2 => spheric_2::section(flows, folder, data),
+            Self::TallStructure => tall_structure::section(flows, folder, data),
+        }
+    }
+}
+
+/// Runs one of the cases beside this file to its end.
+fn run(flows: &Flows, name: &str, text: &str) -> anyhow::Result<FlowRun> {
+    let case = Case::parse(text, name)?;
+    let end = case.sections.time.end;
+    flows.run(name, case, &[end], &[])
+}
+
+/// A computed curve, a full line.
+fn computed(name: &str, points: &Curved) -> Curve {
+    Curve { name: name.into(), points: points.clone(), colour: COLOURS[0], dashed: false }
+}
+
+/// A measured curve, dashed.
+fn measured(name: &str, points: &Curved, colour: RGBColor) -> Curve {
+    Curve { name: name.into(), points: points.clone(), colour, dashed: true }
+}
+
+/// "−3.1 %".
+fn percent(ratio: f64) -> String {
+    format!("{:+.1} %", 100.0 * ratio).replace('-', "−")
+}

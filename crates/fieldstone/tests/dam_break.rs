@@ -1,0 +1,58 @@
+//! `fieldstone reproduce dam-break` as users run it: tables and pictures, stopped and gone on.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use support::Folder;
+
+/// Coarse enough for seconds; the flow still runs against the far wall.
+const COARSE: &str = "--slab --spacing 0.12 --integrator rk4 --cfl 1.5 --threads 1";
+
+#[test]
+#[cfg(unix)]
+fn a_reproduction_that_is_stopped_goes_on_to_the_same_tables() {
+    let folder = Folder::new();
+    folder.succeeds(&format!("reproduce dam-break whole {COARSE} --only table1"));
+    // Ctrl-C twice, on the way.
+    let mut stopped = 0;
+    for wait in [400, 800] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_fieldstone"))
+            .current_dir(folder.path("."))
+            .args(format!("reproduce dam-break pieces {COARSE} --only table1").split(' '))
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(wait));
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        stopped += i32::from(!child.wait().unwrap().success());
+    }
+    assert!(stopped > 0 && folder.path("pieces/flows/dam-break-slab_0.12_rk4_cfl1.5/checkpoint.bin").exists());
+    folder.succeeds(&format!("reproduce dam-break pieces {COARSE} --only table1,fig11,fig12,fig16"));
+    let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    assert_eq!(read("whole/table1.csv"), read("pieces/table1.csv"));
+    for name in ["table1_1.45s.png", "fig11_1.80s.png", "fig12_1.45s.png", "fig16_0.52s.png"] {
+        assert!(read(&format!("pieces/{name}")).starts_with(b"\x89PNG"), "{name}");
+    }
+    let page = String::from_utf8(read("pieces/index.md")).unwrap();
+    for title in ["## Table 1", "## Fig. 11", "## Fig. 12", "## Fig. 16"] {
+        assert!(page.contains(title), "{title}");
+    }
+    assert!(!page.contains("NaN"), "{page}");
+    // A wider cone finds no other particles, only fewer: misses, no false positives, in every row.
+    let rows = page.lines().skip_while(|line| !line.starts_with("## Fig. 12")).filter(|line| line.contains(" s | "));
+    assert!(rows.clone().count() >= 3);
+    assert!(rows.take(3).all(|row| row.split('|').skip(2).take(2).all(|cell| cell.contains(" + 0 /"))), "{page}");
+    // Frames that are there are not computed again.
+    std::fs::remove_file(folder.path("pieces/flows/dam-break-slab_0.12_rk4_cfl1.5/checkpoint.bin")).unwrap();
+    folder.succeeds(&format!("reproduce dam-break pieces {COARSE} --only table1"));
+}
+
+#[test]
+fn measured_flows_are_refused_without_their_measurements() {
+    let folder = Folder::new();
+    let said = folder.fails("reproduce dam-break out --only buchner");
+    assert!(said.contains("--measurements"), "{said}");
+}
