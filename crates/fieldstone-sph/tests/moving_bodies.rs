@@ -1,5 +1,5 @@
-//! Bodies in a prescribed motion: closed forms, and the bits of a restart. FIELDSTONE_SPH_LONG=1 runs the bore at the
-//! resolution that the documentation quotes.
+//! Bodies in a prescribed motion: closed forms, and the bits of a restart. FIELDSTONE_SPH_LONG=1 runs the bore at
+//! twice the resolution.
 #![allow(clippy::unwrap_used)]
 
 mod common;
