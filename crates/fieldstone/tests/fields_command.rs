@@ -302,8 +302,9 @@ const SPECIES: &str =
 fn two_species() -> Folder {
     let folder = mercury();
     let text = std::fs::read_to_string(folder.path("box.data")).unwrap();
-    let second =
-        |line: &str| if line.starts_with("1.5") { format!("{} 1", line.trim_end_matches(" 0")) } else { line.into() };
+    let second = |line: &str| {
+        if line.starts_with("1.5") { format!("{} 1", line.strip_suffix(" 0").unwrap()) } else { line.into() }
+    };
     folder.write("species.data", text.lines().map(|line| second(line) + "\n").collect::<String>());
     folder
 }
