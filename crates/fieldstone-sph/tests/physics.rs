@@ -6,7 +6,7 @@ mod common;
 
 use common::{long, run, state, tank};
 use fieldstone_sph::{
-    Boundaries, Flow, FluidOptions, Integrator, Shape, ShiftingOptions, Slip, Solver, Viscosity, pressure_at,
+    Boundaries, Flow, FluidOptions, Integrator, Shape, ShiftingOptions, Slip, Solver, State, Viscosity, pressure_at,
 };
 
 #[test]
@@ -31,7 +31,30 @@ fn water_at_rest_stays_at_rest_with_its_hydrostatic_pressure() {
     assert!(kinetic < 1e-4, "{kinetic}");
 }
 
-/// Largest speed over its decay, after a time, of Taylor and Green's vortices at Re 100.
+/// Particles of a periodic square that lie as they do in a flow, not on a lattice: moved at random, then shifted at rest.
+///
+/// On a lattice the vortices first pull rows of particles apart, and what that costs is no viscosity.
+fn settled(fluid: &FluidOptions, boundaries: &Boundaries) -> State {
+    let square = Shape::Box { low: [0.0; 3], high: [1.0, 1.0, 0.0] };
+    let mut start = state(&[square], fluid, |_| [0.0; 3], |_| 0.0);
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 40) as f64 / f64::from(1 << 24) - 0.5
+    };
+    for x in &mut start.x {
+        *x = [x[0] + 0.4 * fluid.spacing * random(), x[1] + 0.4 * fluid.spacing * random(), 0.0];
+    }
+    let mut flow = Flow::new(*fluid, boundaries.clone());
+    flow.shifting = Some(ShiftingOptions::default());
+    let mut solver = Solver::new(flow, start).unwrap();
+    for _ in 0..200 {
+        solver.step().unwrap();
+    }
+    solver.state().clone()
+}
+
+/// Decay rate of Taylor and Green's vortices at Re 100 up to a time, over the exact one, less 1.
 fn taylor_green(cells: usize, until: f64) -> f64 {
     let mut fluid = FluidOptions::new(2, 1.0 / cells as f64, 1.0, 0.0);
     fluid.density = 1.0;
@@ -42,10 +65,12 @@ fn taylor_green(cells: usize, until: f64) -> f64 {
     let mut boundaries = Boundaries::new([0.0; 3], [1.0; 3], fluid.spacing);
     boundaries.periodic = [true, true, false];
     let k = 2.0 * std::f64::consts::PI;
-    let velocity = |x: [f64; 3]| [(k * x[0]).sin() * (k * x[1]).cos(), -(k * x[0]).cos() * (k * x[1]).sin(), 0.0];
-    let pressure = |x: [f64; 3]| 0.25 * ((2.0 * k * x[0]).cos() + (2.0 * k * x[1]).cos());
-    let square = Shape::Box { low: [0.0; 3], high: [1.0, 1.0, 0.0] };
-    let state = state(&[square], &fluid, velocity, pressure);
+    let mut state = settled(&fluid, &boundaries);
+    for i in 0..state.len() {
+        let [x, y, _] = state.x[i].map(|x| k * x);
+        state.u[i] = [x.sin() * y.cos(), -x.cos() * y.sin(), 0.0];
+        state.density[i] = fluid.density_at(0.25 * ((2.0 * x).cos() + (2.0 * y).cos()));
+    }
     let mut flow = Flow::new(fluid, boundaries);
     // The shift per step goes with the step.
     flow.time_step.integrator = Integrator::RungeKutta4;
