@@ -47,7 +47,7 @@ impl Oscillation {
             .windows(2)
             .map(|w| {
                 let between = self.points.iter().filter(|p| w[0] < p.0 && p.0 < w[1]);
-                between.fold((0.0, 0.0), |a, b| if b.1.abs() > a.1 { (b.0, b.1.abs()) } else { a })
+                between.fold((0.0f64, 0.0f64), |a, b| if b.1.abs() > a.1 { (b.0, b.1.abs()) } else { a })
             })
             .map(|(t, q)| (t, q.ln()))
             .collect();
@@ -91,7 +91,7 @@ fn a_standing_wave_has_its_period_and_decays_as_its_viscosity_says() {
 
 #[test]
 fn a_drop_oscillates_with_the_period_of_rayleigh() {
-    let (radius, sigma, relative) = (0.4, 1.0, 0.05);
+    let (radius, sigma, relative) = (0.4f64, 1.0, 0.05);
     let dx = if long() { 0.01 } else { 0.02 };
     // n = 2 in two dimensions: ω² = n (n² − 1) σ/(ρ R³).
     let frequency = (6.0 * sigma / (1000.0 * radius * radius * radius)).sqrt();

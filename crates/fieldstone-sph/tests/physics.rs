@@ -17,10 +17,7 @@ fn water_at_rest_stays_at_rest_with_its_hydrostatic_pressure() {
     let boundaries = tank([0.0; 3], [0.6, 0.8, 0.0], &fluid, Slip::Free);
     let block = Shape::Box { low: [0.0; 3], high: [0.6, height, 0.0] };
     let state = state(&[block], &fluid, |_| [0.0; 3], |x| 9810.0 * (height - x[1]));
-    let mut flow = Flow::new(fluid, boundaries);
-    flow.time_step.integrator = Integrator::RungeKutta4;
-    flow.time_step.cfl = 1.5;
-    let mut solver = Solver::new(flow, state).unwrap();
+    let mut solver = Solver::new(Flow::new(fluid, boundaries), state).unwrap();
     run(&mut solver, if long() { 10.0 } else { 0.8 });
     let (s, energies) = (solver.state(), solver.energies());
     let square = |i: usize| (fluid.pressure(s.density[i]) - 9810.0 * (height - s.x[i][1])).powi(2);
@@ -47,10 +44,7 @@ fn taylor_green(cells: usize, until: f64) -> f64 {
     let square = Shape::Box { low: [0.0; 3], high: [1.0, 1.0, 0.0] };
     let state = state(&[square], &fluid, velocity, pressure);
     let mut flow = Flow::new(fluid, boundaries);
-    // The shift per step goes with the step.
-    flow.time_step.integrator = Integrator::RungeKutta4;
-    flow.time_step.cfl = 1.5;
-    flow.shifting = Some(ShiftingOptions { k_cfl: 1.5, ..ShiftingOptions::default() });
+    flow.shifting = Some(ShiftingOptions::default());
     let mut solver = Solver::new(flow, state).unwrap();
     let start = solver.energies().kinetic;
     run(&mut solver, until);
@@ -80,8 +74,7 @@ fn an_elliptic_drop_keeps_to_its_ordinary_differential_equation() {
     let disc = Shape::Sphere { centre: [0.0; 3], radius: 1.0 };
     let state = state(&[disc], &fluid, |x| [-x[0], x[1], 0.0], |x| 500.0 * (1.0 - x[0] * x[0] - x[1] * x[1]));
     let mut flow = Flow::new(fluid, Boundaries::new([-4.0; 3], [4.0; 3], dx));
-    flow.time_step.integrator = Integrator::RungeKutta4;
-    flow.time_step.cfl = 1.5;
+    flow.time_step.integrator = Integrator::Symplectic;
     let mut solver = Solver::new(flow, state).unwrap();
     // Second moments tell the axes of a homogeneous ellipse, without a rim of half a spacing.
     let axes = |solver: &Solver| {
@@ -119,9 +112,7 @@ fn a_rotating_patch_keeps_its_area_without_holes() {
     let patch = Shape::Box { low: [-0.5, -0.5, 0.0], high: [0.5, 0.5, 0.0] };
     let state = state(&[patch], &fluid, |x| [-x[1], x[0], 0.0], |_| 0.0);
     let mut flow = Flow::new(fluid, Boundaries::new([-3.0; 3], [3.0; 3], dx));
-    flow.time_step.integrator = Integrator::RungeKutta4;
-    flow.time_step.cfl = 1.5;
-    flow.shifting = Some(ShiftingOptions { k_cfl: 1.5, ..ShiftingOptions::default() });
+    flow.shifting = Some(ShiftingOptions::default());
     let mut solver = Solver::new(flow, state).unwrap();
     let start = solver.energies();
     run(&mut solver, if long() { 2.0 } else { 1.0 });
@@ -133,6 +124,45 @@ fn a_rotating_patch_keeps_its_area_without_holes() {
     println!("rotating patch: area {area:.4}, {holes} free-surface particles inside, kinetic energy {kinetic:.3}");
     assert!((area - 1.0).abs() < 0.01 && holes == 0, "{area} {holes}");
     assert!(kinetic > 0.8 && kinetic < 1.01, "{kinetic}");
+}
+
+#[test]
+fn a_standing_wave_has_its_period() {
+    let (depth, length, amplitude) = (0.5, 1.0, 0.01);
+    let dx = if long() { 0.0125 } else { 0.025 };
+    let mut fluid = FluidOptions::new(2, dx, 0.5, 9810.0 * depth);
+    fluid.sound_speed = 20.0 * (9.81f64 * depth).sqrt();
+    fluid.viscosity = Viscosity::Dynamic(0.5);
+    let boundaries = tank([0.0; 3], [length, 0.8, 0.0], &fluid, Slip::Free);
+    let k = 2.0 * std::f64::consts::PI / length;
+    let frequency = (9.81 * k * (k * depth).tanh()).sqrt();
+    let size = amplitude * frequency / (k * depth).sinh();
+    let velocity =
+        |x: [f64; 3]| [-size * (k * x[1]).cosh() * (k * x[0]).sin(), size * (k * x[1]).sinh() * (k * x[0]).cos(), 0.0];
+    let block = Shape::Box { low: [0.0; 3], high: [length, depth, 0.0] };
+    let state = state(&[block], &fluid, velocity, |x| 9810.0 * (depth - x[1]));
+    let mut solver = Solver::new(Flow::new(fluid, boundaries), state).unwrap();
+    // The wave's mode in the momentum: passes zero at every quarter period of odd number.
+    let mode = |solver: &Solver| {
+        let s = solver.state();
+        (0..s.len()).map(|i| s.u[i][1] * (k * s.x[i][0]).cos()).sum::<f64>()
+    };
+    let mut crossings = Vec::new();
+    let (mut before, mut then) = (mode(&solver), 0.0);
+    let until = if long() { 8.0 } else { 1.3 };
+    while solver.time() < until {
+        solver.step().unwrap();
+        let now = mode(&solver);
+        if before * now < 0.0 {
+            crossings.push(then + (solver.time() - then) * before / (before - now));
+        }
+        (before, then) = (now, solver.time());
+    }
+    let last = crossings.len() - 1;
+    let period = 2.0 * (crossings[last] - crossings[0]) / last as f64;
+    let expected = 2.0 * std::f64::consts::PI / frequency;
+    println!("standing wave: period {period:.5} against {expected:.5}, {:.2e}", period / expected - 1.0);
+    assert!((period / expected - 1.0).abs() < 0.015, "{period} {expected}");
 }
 
 #[test]

@@ -56,3 +56,22 @@ fn measured_flows_are_refused_without_their_measurements() {
     let said = folder.fails("reproduce dam-break out --only buchner");
     assert!(said.contains("--measurements"), "{said}");
 }
+
+/// A minute: FIELDSTONE_SPH_LONG=1 runs it. The measurements are not in the repository.
+#[test]
+fn a_collapsing_column_sinks_and_runs_as_fast_as_measured() {
+    let data = fieldstone_testing::extended("sph-validation");
+    let (Some(data), Some(_)) = (data, std::env::var_os("FIELDSTONE_SPH_LONG")) else {
+        eprintln!("skipped: needs FIELDSTONE_SPH_LONG and sph-validation in FIELDSTONE_DATA");
+        return;
+    };
+    let folder = Folder::new();
+    folder.succeeds(&format!("reproduce dam-break out --only column --measurements {}", data.display()));
+    let page = std::fs::read_to_string(folder.path("out/index.md")).unwrap();
+    let cell = |row: &str, index: usize| -> f64 {
+        let line = page.lines().find(|line| line.contains(row)).unwrap();
+        line.split('|').nth(index).unwrap().replace('−', "-").replace([' ', '%'], "").parse().unwrap()
+    };
+    assert!(cell("height, table 6", 3) < 5.0, "{page}");
+    assert!(cell("Moyce, table 2", 6).abs() < 5.0, "{page}");
+}

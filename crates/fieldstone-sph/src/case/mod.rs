@@ -248,7 +248,7 @@ impl Case {
             flow.detection = Some(method);
             if shifting.enabled {
                 flow.shifting = Some(ShiftingOptions {
-                    k_cfl: shifting.k_cfl,
+                    k_cfl: shifting.k_cfl.unwrap_or(s.time.cfl),
                     r: shifting.r,
                     n: shifting.n,
                     factor: shifting.factor,

@@ -436,8 +436,8 @@ pub struct ShiftingSection {
     pub enabled: bool,
     /// Detection method.
     pub detection: String,
-    /// k_CFL.
-    pub k_cfl: f64,
+    /// k_CFL; the CFL number where absent, since the shift is one per step.
+    pub k_cfl: Option<f64>,
     /// R.
     pub r: f64,
     /// n.
@@ -452,8 +452,8 @@ pub struct ShiftingSection {
 
 impl Default for ShiftingSection {
     fn default() -> Self {
-        let crate::ShiftingOptions { k_cfl, r, n, factor, mach, cap } = crate::ShiftingOptions::default();
-        Self { enabled: true, detection: "exact".into(), k_cfl, r, n, factor, mach, cap }
+        let crate::ShiftingOptions { k_cfl: _, r, n, factor, mach, cap } = crate::ShiftingOptions::default();
+        Self { enabled: true, detection: "exact".into(), k_cfl: None, r, n, factor, mach, cap }
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Stepping {
 }
 
 impl Stepping {
-    /// Puts it into a case. The shift per step goes with the step: k_CFL of Eq. 11 is the CFL number.
+    /// Puts it into a case. The shift per step goes with the step.
     pub fn apply(self, case: &mut Case) {
         if let Some(name) = self.integrator {
             case.sections.time.integrator = match name {
@@ -41,8 +41,8 @@ impl Stepping {
         if let Some(cfl) = self.cfl {
             let former = case.sections.time.cfl;
             case.sections.time.cfl = cfl;
-            if let Some(shifting) = &mut case.sections.shifting {
-                shifting.k_cfl *= cfl / former;
+            if let Some(k_cfl) = case.sections.shifting.as_mut().and_then(|s| s.k_cfl.as_mut()) {
+                *k_cfl *= cfl / former;
             }
         }
     }

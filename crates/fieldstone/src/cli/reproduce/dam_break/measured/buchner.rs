@@ -7,7 +7,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::super::flow_run::Flows;
 use super::data::{Curved, arrival, gauge, mean, pairs};
-use super::{computed, measured, percent, run};
+use super::{clipped, computed, measured, percent, run};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Curve, Plot, draw};
 
 /// √(g/H) and ρgH of the case.
@@ -64,6 +64,6 @@ pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Resu
         ],
         legend: Some(SeriesLabelPosition::UpperLeft),
     };
-    draw(&folder.join("buchner.png"), &[plot])?;
+    draw(&folder.join("buchner.png"), &[clipped(plot)])?;
     Ok(text + "\n")
 }

@@ -7,7 +7,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::super::flow_run::Flows;
 use super::data::{Curved, gauge, pairs, relative_rms, rows};
-use super::{computed, measured, percent, run};
+use super::{clipped, computed, measured, percent, run};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// Width of the computed column, and gravity.
@@ -77,7 +77,7 @@ pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Resu
             legend: Some(SeriesLabelPosition::UpperRight),
         },
     ];
-    draw(&folder.join("column.png"), &plots)?;
+    draw(&folder.join("column.png"), &plots.map(clipped))?;
     Ok(text + "\n")
 }
 

@@ -13,7 +13,7 @@ use plotters::style::RGBColor;
 
 use self::data::Curved;
 use super::flow_run::{FlowRun, Flows};
-use crate::cli::reproduce::plots::{COLOURS, Curve};
+use crate::cli::reproduce::plots::{COLOURS, Curve, Plot};
 
 /// A flow with measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +51,15 @@ fn computed(name: &str, points: &Curved) -> Curve {
 /// A measured curve, dashed.
 fn measured(name: &str, points: &Curved, colour: RGBColor) -> Curve {
     Curve { name: name.into(), points: points.clone(), colour, dashed: true }
+}
+
+/// A plot of what lies between the ends of its first axis.
+fn clipped(mut plot: Plot) -> Plot {
+    let [low, high] = plot.x.range;
+    for curve in &mut plot.curves {
+        curve.points.retain(|p| (low..=high).contains(&p.0));
+    }
+    plot
 }
 
 /// "−3.1 %".

@@ -7,7 +7,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::super::flow_run::Flows;
 use super::data::{Curved, arrival, column, gauge, mean, rows};
-use super::{computed, measured, percent, run};
+use super::{clipped, computed, measured, percent, run};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// Pressure that tells the arrival at the box.
@@ -63,6 +63,6 @@ pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Resu
         plot("Pressure on the box", axis("Pa", 14_000.0), &[("P1", &p1), ("P3", &p3)]),
         plot("Water level", axis("m", 0.6), &[("H1", &h1), ("H2", &h2), ("H4", &h4)]),
     ];
-    draw(&folder.join("spheric_2.png"), &plots)?;
+    draw(&folder.join("spheric_2.png"), &plots.map(clipped))?;
     Ok(text + "\n")
 }

@@ -9,7 +9,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::super::flow_run::Flows;
 use super::data::{Curved, arrival, gauge, mean, pairs, relative_rms};
-use super::{computed, measured, percent, run};
+use super::{clipped, computed, measured, percent, run};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// The probe: 146 mm before the structure's centre, 26 mm above the floor, in the plane of symmetry.
@@ -70,7 +70,7 @@ pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Resu
             legend: Some(SeriesLabelPosition::UpperRight),
         },
     ];
-    draw(&folder.join("tall_structure.png"), &plots)?;
+    draw(&folder.join("tall_structure.png"), &plots.map(clipped))?;
     Ok(text + "\n")
 }
 
