@@ -149,7 +149,7 @@ fn a_surface_comes_back_as_triangles_and_a_wrong_corner_is_refused() {
     assert_eq!(back.cells.corners(1), [1, 3, 2]);
     assert_eq!(back.cell_data, cells);
     let e = write_vtp_surface(&path, &points, &[[0, 1, 4]], VtkArrays::default(), VtkEncoding::default());
-    assert!(e.unwrap_err().to_string().contains("triangle 0 names points [0, 1, 4], but there are 4"));
+    assert!(e.unwrap_err().to_string().contains("polygon 0 names point 4, but there are 4"));
 }
 
 #[test]
