@@ -1,3 +1,8 @@
+//! The state in time: lists, stages, what happens after each step.
+
+mod departures;
+mod integrators;
+
 use std::time::Instant;
 
 use fieldstone_particles::{Image, NeighbourGrid, NeighbourOptions};
@@ -5,12 +10,10 @@ use fieldstone_surface::{Detection, Exact, Method, ScanningCone, Scene, SurfaceD
 use rayon::prelude::*;
 
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
-use crate::energy::accumulate;
 use crate::error::check;
 use crate::ghosts::Ghosts;
 use crate::neighbour_count::NeighbourCount;
 use crate::phases::{Phase, Phases};
-use crate::rates::Rate;
 use crate::shifting::{FREE, Shift};
 use crate::spatial_order::spatial_order;
 use crate::stage::Stage;
@@ -497,195 +500,6 @@ impl Solver {
         if let Some(Detector::Exact(_, cache)) = &mut self.detector {
             cache.clear();
         }
-    }
-
-    /// Sets `middle` to the state advanced with its own velocity and the latest rates.
-    fn predict(&mut self, dt: f64) {
-        let (state, rates, middle) = (&self.state, &self.stage.rates, &mut self.middle);
-        let zipped = middle.x.par_iter_mut().zip(&mut middle.u).zip(&mut middle.density);
-        let old = state.x.par_iter().zip(&state.u).zip(&state.density).zip(rates);
-        zipped.zip(old).for_each(|(((x, u), density), (((x0, u0), density0), rate))| {
-            for k in 0..3 {
-                x[k] = x0[k] + dt * u0[k];
-                u[k] = u0[k] + dt * rate.acceleration[k];
-            }
-            *density = density0 + dt * rate.density;
-        });
-    }
-
-    fn step_symplectic(&mut self, dt: f64) -> Result<(), SphError> {
-        let mut clock = Instant::now();
-        self.fit_middle();
-        self.predict(0.5 * dt);
-        self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.free)?;
-        clock = Instant::now();
-        self.book(dt);
-        let (state, rates) = (&mut self.state, &self.stage.rates);
-        let all = state.x.par_iter_mut().zip(&mut state.u).zip(&mut state.density).zip(rates);
-        all.for_each(|(((x, u), density), rate)| {
-            for k in 0..3 {
-                let old = u[k];
-                u[k] += dt * rate.acceleration[k];
-                x[k] += 0.5 * dt * (old + u[k]);
-            }
-            *density += dt * rate.density;
-        });
-        self.stage.phases.add(Phase::Rest, &mut clock);
-        Ok(())
-    }
-
-    fn step_runge_kutta(&mut self, dt: f64) -> Result<(), SphError> {
-        self.fit_middle();
-        let mut moved: Vec<[f64; 3]> = self.state.u.clone();
-        let mut sum: Vec<Rate> = self.stage.rates.clone();
-        self.book(dt / 6.0);
-        for (stage, weight) in [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-            let mut clock = Instant::now();
-            // The velocity of the stage before moves the positions of this one.
-            let velocity = self.middle.u.clone();
-            self.predict(stage * dt);
-            let advance = |(x, (x0, u)): (&mut [f64; 3], (&[f64; 3], &[f64; 3]))| {
-                for k in 0..3 {
-                    x[k] = x0[k] + stage * dt * u[k];
-                }
-            };
-            self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
-            self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.free)?;
-            clock = Instant::now();
-            self.book(weight * dt / 6.0);
-            let latest = self.stage.rates.par_iter().zip(&self.middle.u);
-            sum.par_iter_mut().zip(&mut moved).zip(latest).for_each(|((sum, moved), (rate, u))| {
-                for k in 0..3 {
-                    sum.acceleration[k] += weight * rate.acceleration[k];
-                    moved[k] += weight * u[k];
-                }
-                sum.density += weight * rate.density;
-            });
-            self.stage.phases.add(Phase::Rest, &mut clock);
-        }
-        let state = &mut self.state;
-        let all = state.x.par_iter_mut().zip(&mut state.u).zip(&mut state.density).zip(sum.par_iter().zip(&moved));
-        all.for_each(|(((x, u), density), (rate, moved))| {
-            for k in 0..3 {
-                x[k] += dt / 6.0 * moved[k];
-                u[k] += dt / 6.0 * rate.acceleration[k];
-            }
-            *density += dt / 6.0 * rate.density;
-        });
-        Ok(())
-    }
-
-    fn fit_middle(&mut self) {
-        self.middle.x.clone_from(&self.state.x);
-        self.middle.u.clone_from(&self.state.u);
-        self.middle.density.clone_from(&self.state.density);
-        self.middle.id.clone_from(&self.state.id);
-    }
-
-    /// Adds the powers and forces of the latest evaluation to the budget; summed in the order of the particles.
-    fn book(&mut self, dt: f64) {
-        for rate in &self.stage.rates {
-            self.budget.viscous += dt * rate.viscous_power;
-            self.budget.diffusive += dt * rate.diffusive_power;
-            self.budget.boundaries += dt * rate.boundary_power;
-        }
-        self.budget.surface_tension += dt * self.stage.tension_power;
-        let forces = self.latest_forces();
-        let Flow { fluid, .. } = &self.flow;
-        let momentum = &mut self.budget.momentum;
-        accumulate(&mut momentum.walls, -dt, forces.walls);
-        forces.bodies.into_iter().for_each(|force| accumulate(&mut momentum.bodies, -dt, force));
-        let mass = self.state.len() as f64 * fluid.particle_mass();
-        accumulate(&mut momentum.weight, dt * mass, fluid.gravity);
-        accumulate(&mut momentum.surface_tension, dt, self.stage.tension_force);
-        self.budget.singular += self.stage.gradients.iter().filter(|g| g[3] != 0.0).count() as u64;
-    }
-
-    /// A particle that has passed a mirror changes places with its image.
-    fn reflect_at_walls(&mut self) {
-        let fluid = &self.flow.fluid;
-        let stiffness = fluid.density / (fluid.sound_speed * fluid.sound_speed);
-        for wall in &self.flow.boundaries.walls {
-            let normal = wall.plane.normal();
-            for i in 0..self.state.len() {
-                let x = self.state.x[i];
-                if wall.plane.distance(x) >= 0.0 {
-                    continue;
-                }
-                let before = Energies::of_particle(x, self.state.u[i], self.state.density[i], fluid);
-                let image = wall.plane.mirror(x);
-                let across: f64 = (0..3).map(|k| self.state.u[i][k] * normal[k]).sum();
-                let depth: f64 = (0..3).map(|k| fluid.gravity[k] * (image[k] - x[k])).sum();
-                for (u, n) in self.state.u[i].iter_mut().zip(normal) {
-                    *u -= 2.0 * across * n;
-                }
-                self.state.x[i] = image;
-                self.state.density[i] += stiffness * depth;
-                let after = Energies::of_particle(image, self.state.u[i], self.state.density[i], fluid);
-                self.budget.shifting += after.total() - before.total();
-                accumulate(&mut self.budget.momentum.walls, -2.0 * across * fluid.particle_mass(), normal);
-                self.budget.reflections += 1;
-            }
-        }
-    }
-
-    fn check_particles(&self) -> Result<(), SphError> {
-        let Boundaries { low, high, periodic, open, padding, .. } = &self.flow.boundaries;
-        let dimension = self.flow.fluid.dimension;
-        let bad = (0..self.state.len()).into_par_iter().find_map_first(|i| {
-            let (position, velocity, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
-            let (step, time, id) = (self.steps, self.time, self.state.id[i]);
-            let what = if !position.iter().chain(&velocity).all(|x| x.is_finite()) {
-                Some(format!("velocity {velocity:?}"))
-            } else if !(density > 0.0 && density.is_finite()) {
-                Some(format!("density {density}"))
-            } else {
-                None
-            };
-            if let Some(what) = what {
-                return Some(SphError::Broken { step, time, id, position, what });
-            }
-            let lost = (0..dimension).any(|k| {
-                // A periodic particle is wrapped when the lists are built next.
-                let margin = if periodic[k] { high[k] - low[k] } else { *padding };
-                position[k] < low[k] - margin && !open[k][0] || position[k] > high[k] + margin && !open[k][1]
-            });
-            lost.then_some(SphError::Lost { step, time, id, position, velocity })
-        });
-        bad.map_or(Ok(()), Err)
-    }
-
-    fn remove_beyond_openings(&mut self) -> bool {
-        let Boundaries { low, high, open, .. } = &self.flow.boundaries;
-        if open.iter().flatten().all(|open| !open) {
-            return false;
-        }
-        let stays = |x: &[f64; 3]| {
-            (0..self.flow.fluid.dimension).all(|k| !(open[k][0] && x[k] < low[k] || open[k][1] && x[k] > high[k]))
-        };
-        if self.state.x.iter().all(stays) {
-            return false;
-        }
-        let (kept, gone): (Vec<u32>, Vec<u32>) =
-            (0..self.state.len() as u32).partition(|&i| stays(&self.state.x[i as usize]));
-        for &i in &gone {
-            let i = i as usize;
-            let (x, u, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
-            let energies = Energies::of_particle(x, u, density, &self.flow.fluid);
-            self.budget.removed_energy += energies.total();
-            self.budget.removed_mass += self.flow.fluid.particle_mass();
-            accumulate(&mut self.budget.momentum.removed, 1.0, energies.momentum);
-            self.budget.removed += 1;
-        }
-        self.state.reorder(&kept);
-        self.regions = crate::state::picked(&self.regions, &kept);
-        self.free = crate::state::picked(&self.free, &kept);
-        self.stage.built_at.clear();
-        self.forget_witnesses();
-        self.order_due = self.steps;
-        true
     }
 
     /// Labels the free surface of the present state.
