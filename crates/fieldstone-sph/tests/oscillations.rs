@@ -6,8 +6,8 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{long, state, tank};
-use fieldstone_sph::{Boundaries, Flow, FluidOptions, Integrator, Shape, ShiftingOptions, Slip, Solver, Viscosity};
+use common::{Wave, long, standing_wave, state};
+use fieldstone_sph::{Boundaries, Flow, FluidOptions, Integrator, Shape, ShiftingOptions, Solver, Viscosity};
 
 /// Values of a quantity that oscillates about 0, step by step.
 #[derive(Default)]
@@ -63,18 +63,7 @@ impl Oscillation {
 fn a_standing_wave_has_its_period_and_decays_as_its_viscosity_says() {
     let (depth, length, amplitude, nu) = (1.0, 2.0, 0.05, 0.0125);
     let dx = if long() { 0.025 } else { 0.05 };
-    let mut fluid = FluidOptions::new(2, dx, 0.5, 9810.0 * depth);
-    fluid.sound_speed = 20.0 * (9.81f64 * depth).sqrt();
-    fluid.viscosity = Viscosity::Dynamic(1000.0 * nu);
-    let boundaries = tank([0.0; 3], [length, 1.5, 0.0], &fluid, Slip::Free);
-    let k = 2.0 * PI / length;
-    let frequency = (9.81 * k * (k * depth).tanh()).sqrt();
-    let size = amplitude * frequency / (k * depth).sinh();
-    let velocity =
-        |x: [f64; 3]| [-size * (k * x[1]).cosh() * (k * x[0]).sin(), size * (k * x[1]).sinh() * (k * x[0]).cos(), 0.0];
-    let block = Shape::Box { low: [0.0; 3], high: [length, depth, 0.0] };
-    let state = state(&[block], &fluid, velocity, |x| 9810.0 * (depth - x[1]));
-    let mut flow = Flow::new(fluid, boundaries);
+    let Wave { mut flow, state, k, frequency } = standing_wave(depth, length, amplitude, dx, 1000.0 * nu, 1.5);
     flow.time_step.integrator = Integrator::RungeKutta4;
     flow.time_step.cfl = 1.5;
     let mut solver = Solver::new(flow, state).unwrap();

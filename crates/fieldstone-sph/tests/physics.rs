@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{long, run, state, tank};
+use common::{Wave, long, run, standing_wave, state, tank};
 use fieldstone_sph::{
     Boundaries, Flow, FluidOptions, Integrator, Shape, ShiftingOptions, Slip, Solver, Viscosity, pressure_at,
 };
@@ -130,18 +130,8 @@ fn a_rotating_patch_keeps_its_area_without_holes() {
 fn a_standing_wave_has_its_period() {
     let (depth, length, amplitude) = (0.5, 1.0, 0.01);
     let dx = if long() { 0.0125 } else { 0.025 };
-    let mut fluid = FluidOptions::new(2, dx, 0.5, 9810.0 * depth);
-    fluid.sound_speed = 20.0 * (9.81f64 * depth).sqrt();
-    fluid.viscosity = Viscosity::Dynamic(0.5);
-    let boundaries = tank([0.0; 3], [length, 0.8, 0.0], &fluid, Slip::Free);
-    let k = 2.0 * std::f64::consts::PI / length;
-    let frequency = (9.81 * k * (k * depth).tanh()).sqrt();
-    let size = amplitude * frequency / (k * depth).sinh();
-    let velocity =
-        |x: [f64; 3]| [-size * (k * x[1]).cosh() * (k * x[0]).sin(), size * (k * x[1]).sinh() * (k * x[0]).cos(), 0.0];
-    let block = Shape::Box { low: [0.0; 3], high: [length, depth, 0.0] };
-    let state = state(&[block], &fluid, velocity, |x| 9810.0 * (depth - x[1]));
-    let mut solver = Solver::new(Flow::new(fluid, boundaries), state).unwrap();
+    let Wave { flow, state, k, frequency } = standing_wave(depth, length, amplitude, dx, 0.5, 0.8);
+    let mut solver = Solver::new(flow, state).unwrap();
     // The wave's mode in the momentum: passes zero at every quarter period of odd number.
     let mode = |solver: &Solver| {
         let s = solver.state();

@@ -1,7 +1,7 @@
 //! Flows that several tests use.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Motion, Shape, Slip, Solver, State};
+use fieldstone_sph::{Boundaries, Flow, FluidOptions, MirrorWall, Motion, Shape, Slip, Solver, State, Viscosity};
 use fieldstone_surface::Wall;
 
 /// Whether the flows run at the resolutions and times that the documentation quotes, in minutes.
@@ -93,4 +93,29 @@ pub fn ramped(axis: usize, speed: f64, rise: f64, end: f64) -> Motion {
         })
         .collect();
     Motion::new(&rows).unwrap()
+}
+
+/// Water in a tank with the velocity of a standing wave as it passes through rest.
+pub struct Wave {
+    pub flow: Flow,
+    pub state: State,
+    /// Wave number, and frequency by linear theory.
+    pub k: f64,
+    pub frequency: f64,
+}
+
+/// The first mode that fits into a tank of a length; `viscosity` is the dynamic one, `top` the tank's.
+pub fn standing_wave(depth: f64, length: f64, amplitude: f64, dx: f64, viscosity: f64, top: f64) -> Wave {
+    let mut fluid = FluidOptions::new(2, dx, 0.5, 9810.0 * depth);
+    fluid.sound_speed = 20.0 * (9.81 * depth).sqrt();
+    fluid.viscosity = Viscosity::Dynamic(viscosity);
+    let boundaries = tank([0.0; 3], [length, top, 0.0], &fluid, Slip::Free);
+    let k = 2.0 * std::f64::consts::PI / length;
+    let frequency = (9.81 * k * (k * depth).tanh()).sqrt();
+    let size = amplitude * frequency / (k * depth).sinh();
+    let velocity =
+        |x: [f64; 3]| [-size * (k * x[1]).cosh() * (k * x[0]).sin(), size * (k * x[1]).sinh() * (k * x[0]).cos(), 0.0];
+    let block = Shape::Box { low: [0.0; 3], high: [length, depth, 0.0] };
+    let state = state(&[block], &fluid, velocity, |x| 9810.0 * (depth - x[1]));
+    Wave { flow: Flow::new(fluid, boundaries), state, k, frequency }
 }
