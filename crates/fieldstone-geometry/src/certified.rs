@@ -132,33 +132,52 @@ impl Polyhedron {
             let v = Vector::from_f64(v.to_array()) - centre;
             Vector::new(v.x / radius, v.y / radius, v.z / radius)
         };
-        let mut visit_with_normal = |face: usize, ring: &[Vector<R>]| {
-            let zero = R::from_f64(0.0);
-            let mut area_vector = Vector::new(zero, zero, zero);
-            for pair in ring[1..].windows(2) {
-                area_vector = area_vector + (pair[0] - ring[0]).cross(pair[1] - ring[0]);
+        let mut visit_unless_flat = |face: usize, corners: &[DVec3], ring: &[Vector<R>]| {
+            if let Some(normal) = unit_normal::<R>(corners) {
+                visit(face, ring, normal);
             }
-            let length = area_vector.length();
-            if length <= zero && length.error() == 0.0 {
-                return;
-            }
-            let normal = Vector::new(area_vector.x / length, area_vector.y / length, area_vector.z / length);
-            visit(face, ring, normal);
         };
         let vertices = self.vertices();
         for (piece, corners) in self.rings() {
-            let ring: Vec<Vector<R>> = corners.iter().map(|&k| shifted(vertices[k as usize])).collect();
+            let corners: Vec<DVec3> = corners.iter().map(|&k| vertices[k as usize]).collect();
+            let ring: Vec<Vector<R>> = corners.iter().map(|&v| shifted(v)).collect();
             let face = piece.face as usize;
             if piece.warp == 0.0 {
-                visit_with_normal(face, &ring);
+                visit_unless_flat(face, &corners, &ring);
             } else {
                 let apex = shifted(piece.apex);
                 for (k, &a) in ring.iter().enumerate() {
-                    visit_with_normal(face, &[a, ring[(k + 1) % ring.len()], apex]);
+                    let next = (k + 1) % ring.len();
+                    visit_unless_flat(face, &[corners[k], corners[next], piece.apex], &[a, ring[next], apex]);
                 }
             }
         }
     }
+}
+
+/// Unit normal of a planar polygon; `None` without area.
+///
+/// From the corners as given, of which even 256 bits hold every product: moved to a ball and divided by its radius,
+/// three points of one line are so no more, and whatever rounding makes of their normal.
+fn unit_normal<R: Real>(corners: &[DVec3]) -> Option<Vector<R>> {
+    let area = area_vector::<R>(corners);
+    let length = area.length();
+    if length.to_f64() > 2.0 * length.error() {
+        return Some(Vector::new(area.x / length, area.y / length, area.z / length));
+    }
+    let exact = area_vector::<Wide>(corners);
+    let unknown = R::from_f64(0.0).with_error(f64::INFINITY);
+    (exact.length().to_f64() > 0.0).then(|| Vector::new(unknown, unknown, unknown))
+}
+
+/// Twice the area of a planar polygon, along its normal.
+fn area_vector<R: Real>(corners: &[DVec3]) -> Vector<R> {
+    let at = |v: DVec3| Vector::<R>::from_f64(v.to_array());
+    let first = at(corners[0]);
+    let zero = R::from_f64(0.0);
+    corners[1..]
+        .windows(2)
+        .fold(Vector::new(zero, zero, zero), |sum, pair| sum + (at(pair[0]) - first).cross(at(pair[1]) - first))
 }
 
 /// The kernel in any arithmetic that tracks its error.

@@ -6,13 +6,17 @@ use thiserror::Error;
 use crate::double_double::{DoubleDouble, two_sum};
 use crate::edge_frames::EdgeFrames;
 use crate::polygon::{flatness, is_exactly_planar, polygon_centroid, polygon_warp, warp_bound};
-use crate::{CornerOrder, ElementKind, Vector};
+use crate::precision::Wide;
+use crate::{CornerOrder, ElementKind, Real, Vector};
 
 /// Largest warp of a face, over the size of the element, that still counts as planar.
 ///
 /// Corners that were computed in `f64` are off their plane by a few units of the last digit; a face beyond that
 /// is triangulated, so the volume is exact for the coordinates given.
 pub const PLANARITY: f64 = 1e-14;
+
+/// A sum that keeps more than this of its terms is right to the last digit of an `f64` when computed in 106 bits.
+const ROUNDED_ONCE: f64 = 1e-12;
 
 /// Why corners and faces make no polyhedron.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -336,19 +340,29 @@ impl Polyhedron {
         }
     }
 
-    /// The volume, in double-double: flat elements would lose it to cancellation.
+    /// The volume, rounded once: from double-double, or from 256 bits where next to nothing is left of the terms.
     fn signed_volume(&self) -> f64 {
-        let at = |k: u32| Vector::<DoubleDouble>::from_f64(self.vertices[k as usize].to_array());
+        let (volume, terms) = self.volume_and_terms::<DoubleDouble>();
+        if volume.abs() > ROUNDED_ONCE * terms { volume } else { self.volume_and_terms::<Wide>().0 }
+    }
+
+    /// The volume as a sum of tetrahedra, and the sum of their magnitudes.
+    fn volume_and_terms<R: Real>(&self) -> (f64, f64) {
+        let at = |k: u32| Vector::<R>::from_f64(self.vertices[k as usize].to_array());
         let origin = at(0);
-        let mut sum = DoubleDouble::ZERO;
+        let (mut sum, mut magnitude) = (R::from_f64(0.0), 0.0);
         for (piece, corners) in self.rings() {
-            let ring: Vec<Vector<DoubleDouble>> = corners.iter().map(|&k| at(k) - origin).collect();
+            let ring: Vec<Vector<R>> = corners.iter().map(|&k| at(k) - origin).collect();
             let apex = if piece.warp == 0.0 { ring[0] } else { Vector::from_f64(piece.apex.to_array()) - origin };
+            let size = |v: Vector<R>| v.x.to_f64().abs() + v.y.to_f64().abs() + v.z.to_f64().abs();
             for (k, &a) in ring.iter().enumerate() {
-                sum += apex.dot(a.cross(ring[(k + 1) % ring.len()]));
+                let b = ring[(k + 1) % ring.len()];
+                sum = sum + apex.dot(a.cross(b));
+                // What rounding is relative to: the products, before they cancel.
+                magnitude += size(apex) * size(a) * size(b);
             }
         }
-        f64::from(sum) / 6.0
+        (sum.to_f64() / 6.0, magnitude)
     }
 
     fn is_convex_within(&self, tolerance: f64) -> bool {

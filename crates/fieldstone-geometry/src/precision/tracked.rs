@@ -30,6 +30,12 @@ fn up(bound: f64) -> f64 {
     bound * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE
 }
 
+/// A product in which nothing times an infinite error is nothing.
+#[inline]
+fn times(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
+}
+
 impl<R: Real> Tracked<R> {
     /// The computed value.
     pub fn value(self) -> R {
@@ -165,7 +171,9 @@ impl<R: Real> Mul for Tracked<R> {
 
     #[inline]
     fn mul(self, other: Self) -> Self {
-        let passed_on = self.magnitude() * other.error + other.magnitude() * self.error + self.error * other.error;
+        let passed_on = times(self.magnitude(), other.error)
+            + times(other.magnitude(), self.error)
+            + times(self.error, other.error);
         Self::rounded(self.value * other.value, up(passed_on))
     }
 }
