@@ -66,13 +66,23 @@ pub(crate) struct EdgeFrames {
     pub edges: Vec<Edge>,
     /// The largest flatness of a piece.
     pub flatness: f64,
+    /// Whether the polyhedron is convex, and no two adjacent pieces are nearly in one plane. The foot on a piece in reach is then on
+    /// its side of every edge to a piece out of reach, unless the ball is apart.
+    pub sharp: bool,
 }
+
+/// Cosine between the normals of adjacent pieces above which an edge is not sharp.
+const NEARLY_FLAT: f64 = 0.999;
 
 impl EdgeFrames {
     /// The frames of pieces with their corners, indices into `vertices`; `None` where a piece is not convex, has too
     /// many corners, or there are too many pieces or edges.
-    pub fn new<'a>(vertices: &[DVec3], rings: impl Iterator<Item = (&'a Piece, &'a [u32])>) -> Option<Self> {
-        let mut this = Self::default();
+    pub fn new<'a>(
+        vertices: &[DVec3],
+        convex: bool,
+        rings: impl Iterator<Item = (&'a Piece, &'a [u32])>,
+    ) -> Option<Self> {
+        let mut this = Self { sharp: convex, ..Self::default() };
         // (lower corner, higher corner, piece, whether the piece runs from the lower to the higher)
         let mut uses: Vec<(u32, u32, u32, bool)> = Vec::new();
         for (index, (piece, corners)) in rings.enumerate() {
@@ -118,6 +128,7 @@ impl EdgeFrames {
             }
             let axes = |side: &Side| [DVec3::from(this.planes[side.piece as usize].normal), DVec3::from(side.outward)];
             let first = axes(&sides[0]);
+            this.sharp &= first[0].dot(axes(&sides[1])[0]).abs() < NEARLY_FLAT;
             this.edges.push(Edge {
                 along: along.to_array(),
                 ends: [from.to_array(), to.to_array()],

@@ -219,12 +219,12 @@ impl<B: Fn(usize) -> Ball, F: FnMut(usize, InsideVolume)> ManyBalls<'_, B, F> {
     }
 }
 
-/// With room for as many pieces as there are, or a little more.
+/// With room for as many pieces as there are, or a little more: powers of two, of which remainders cost nothing.
 #[inline(always)]
 fn volumes<L: Lanes>(element: &Polyhedron, frames: &EdgeFrames, centre: [L; 3], radius: L) -> Volumes<L> {
     match frames.planes.len() {
         ..=4 => volumes_of::<L, 4>(element, frames, centre, radius),
-        5..=6 => volumes_of::<L, 6>(element, frames, centre, radius),
+        5..=8 => volumes_of::<L, 8>(element, frames, centre, radius),
         _ => volumes_of::<L, MOST_PIECES>(element, frames, centre, radius),
     }
 }

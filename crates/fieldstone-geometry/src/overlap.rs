@@ -159,6 +159,8 @@ pub fn fast_overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
 }
 
 /// The volume by [`face_terms`], for any ball and polyhedron, with a bound of its error.
+// Apart: its room on the stack would be made for every call.
+#[inline(never)]
 fn volume_from_outside(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
     match placement(ball, polyhedron) {
         Placement::Apart => (0.0, 0.0),

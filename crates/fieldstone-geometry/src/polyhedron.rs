@@ -286,7 +286,7 @@ impl Polyhedron {
             this.invert();
         }
         this.convex = this.is_convex_within(1e-12 * size);
-        this.frames = EdgeFrames::new(&this.vertices, this.rings());
+        this.frames = EdgeFrames::new(&this.vertices, this.convex, this.rings());
         Ok(this)
     }
 

@@ -170,7 +170,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     let empty =
         Face { distance: one, reached: no, foot_inside: yes, any_edge: false, triangles: zero, turn: (one, zero) };
     let mut faces = [empty; N];
-    let (mut apart, mut centre_inside) = (no, yes);
+    let (mut apart, mut beyond, mut centre_inside) = (no, no, yes);
     let mut unresolved = zero;
     let beyond_plane = scale.like(-1.0 - 1e-9);
     // A bit for each piece that any of the balls reaches, for the edges of one such piece, and for those of two.
@@ -184,10 +184,14 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         of_two |= of_one & edges;
         of_one |= edges;
         apart = apart | face.distance.less(beyond_plane);
+        beyond = beyond | !(-one).less(face.distance);
         centre_inside = centre_inside & !face.distance.less(zero);
         unresolved = unresolved + L::select(face.distance.abs().less(balls.resolution), one, zero);
     }
-    of_one &= !of_two;
+    // The foot on a piece cannot be beyond an edge to one out of reach, where edges are sharp and the ball is not apart: but if
+    // that is hidden by rounding, nothing is sure.
+    of_one = if frames.sharp { 0 } else { of_one & !of_two };
+    let doubtful = one.less(unresolved) | if frames.sharp { beyond } else { no };
     let mut sums = InsideSums {
         volume3: zero,
         sensitivity: zero,
@@ -195,7 +199,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         touched: no,
         apart: if convex { apart } else { no },
         centre_inside,
-        nearest2: L::select(one.less(unresolved), zero, one),
+        nearest2: L::select(doubtful, zero, one),
     };
     let mut angle = Turning::zero(scale);
     let mut any_edge = false;
