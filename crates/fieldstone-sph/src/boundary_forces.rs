@@ -3,6 +3,7 @@ use rayon::prelude::*;
 use crate::FluidOptions;
 use crate::cluster::{TINY, inverse_root};
 use crate::points::{Kind, Points};
+use crate::shifting::INSIDE;
 
 /// Particles per task.
 const CHUNK: usize = 256;
@@ -34,7 +35,7 @@ impl BoundaryForces {
 /// Sums the pair forces between fluid particles and ghosts: what Eq. 4 gives them, with the opposite sign and with
 /// the root of [`Rates`](crate::rates::Rates), so that momentum is accounted for to rounding.
 ///
-/// Images through periodic faces are fluid. With tensile control `free` marks the free surface, as for the rates.
+/// Images through periodic faces are fluid. With tensile control `tensile` has the regions, as for the rates.
 /// Summed in a fixed order: by particle within tasks of fixed size, then by task.
 pub(crate) fn boundary_forces(
     points: &Points,
@@ -49,7 +50,7 @@ pub(crate) fn boundary_forces(
     let of_particle = |i: usize, sum: &mut BoundaryForces| {
         let own = &points.carriers[i];
         let excess = own[4] - fluid.density;
-        let flipped = excess < 0.0 && tensile.is_some_and(|free| free[i] == 0);
+        let flipped = excess < 0.0 && tensile.is_some_and(|regions| regions[i] == INSIDE);
         let excess = if flipped { -excess } else { excess };
         for &j in points.fluid_list.of(i) {
             let j = j as usize;

@@ -49,7 +49,9 @@ pub struct FluidOptions {
     pub expected_speed: f64,
     /// Expected largest pressure p_max of Eq. 3.
     pub expected_pressure: f64,
-    /// Replace p_i + p_j by p_j − p_i where p_i < 0 and i is not on the free surface: against tensile instability.
+    /// Replace p_i + p_j by p_j − p_i where p_i < 0 and i is farther than 2h from the free surface: against tensile instability.
+    ///
+    /// Nearer, where the kernel misses neighbours, the difference would undo the condition p = 0 of the surface.
     ///
     /// Not conservative; off in `liu2022`.
     pub tensile_control: bool,

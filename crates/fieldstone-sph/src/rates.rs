@@ -2,6 +2,7 @@ use crate::FluidOptions;
 use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
 use crate::neighbour_list::PairSum;
 use crate::points::{Carrier, Points};
+use crate::shifting::INSIDE;
 
 /// Rates of one particle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,7 +33,7 @@ pub(crate) struct Rates<'a, const VISCOUS_COLUMN: bool> {
     carriers: &'a [Carrier],
     gradients: &'a [[f64; 4]],
     viscous: &'a [[f64; 4]],
-    /// Particles whose p_i changes its sign where it is negative: inside, with tensile control.
+    /// Regions with tensile control: inside, p_i changes its sign where it is negative.
     tensile: Option<&'a [u8]>,
     /// 1/h².
     inverse_square: f64,
@@ -84,11 +85,11 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
             [_, _, _, _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
             [gxi[l], gyi[l], gzi[l], _] = self.gradients[i];
             let excess = ri[l] - self.rest_density;
-            let free = match self.tensile {
-                None => true,
-                Some(flags) => flags[i] != 0,
+            let flips = match self.tensile {
+                None => false,
+                Some(regions) => regions[i] == INSIDE,
             };
-            own[l] = if excess < 0.0 && !free { -excess } else { excess } - self.rest_density;
+            own[l] = if excess < 0.0 && flips { -excess } else { excess } - self.rest_density;
         }
         let (mut px, mut py, mut pz) = (zero, zero, zero);
         let (mut fx, mut fy, mut fz) = (zero, zero, zero);

@@ -6,6 +6,9 @@ use crate::{FluidOptions, ShiftingOptions};
 /// Where a particle is: region F of Eq. 11.
 pub(crate) const FREE: u8 = 1;
 
+/// Farther than 2h from every particle of the free surface: region I.
+pub(crate) const INSIDE: u8 = 2;
+
 /// Shift of each particle and the region it is in, from the columns of
 /// [`Points::fill_shifting`](crate::points::Points::fill_shifting).
 ///

@@ -88,8 +88,8 @@ impl Stage {
         if 2.0 * self.displacement(x) > self.skin { self.build(x, flow) } else { Ok(()) }
     }
 
-    /// Rates of a state at a time; `free` marks the free surface for tensile control.
-    pub(crate) fn evaluate(&mut self, state: &State, time: f64, flow: &Flow, free: &[u8]) -> Result<(), SphError> {
+    /// Rates of a state at a time; `regions` of the particles are for tensile control.
+    pub(crate) fn evaluate(&mut self, state: &State, time: f64, flow: &Flow, regions: &[u8]) -> Result<(), SphError> {
         self.place_bodies(time, flow);
         self.ensure_lists(&state.x, flow)?;
         let mut clock = Instant::now();
@@ -109,7 +109,7 @@ impl Stage {
 
         let points = &self.points;
         self.rates.resize(state.len(), Rate::default());
-        let tensile = fluid.tensile_control.then_some(free);
+        let tensile = fluid.tensile_control.then_some(regions);
         if points.needs_viscous {
             points.fluid_list.sum(&Rates::<true>::new(fluid, points, tensile), &mut self.rates);
         } else {

@@ -75,6 +75,8 @@ fn an_elliptic_drop_keeps_to_its_ordinary_differential_equation() {
     let state = state(&[disc], &fluid, |x| [-x[0], x[1], 0.0], |x| 500.0 * (1.0 - x[0] * x[0] - x[1] * x[1]));
     let mut flow = Flow::new(fluid, Boundaries::new([-4.0; 3], [4.0; 3], dx));
     flow.time_step.integrator = Integrator::Symplectic;
+    // Without it the lattice, stretched to four times its width, opens gaps, and the small axis is 1.4 % too long.
+    flow.shifting = Some(ShiftingOptions::default());
     let mut solver = Solver::new(flow, state).unwrap();
     // Second moments tell the axes of a homogeneous ellipse, without a rim of half a spacing.
     let axes = |solver: &Solver| {
@@ -97,8 +99,7 @@ fn an_elliptic_drop_keeps_to_its_ordinary_differential_equation() {
     let errors = [end[0] / start[0] / a - 1.0, end[1] / start[1] / b - 1.0];
     println!("elliptic drop: axes {a:.4} and {b:.4} at {}, relative errors {errors:?}", solver.time());
     assert!(a < 0.6 && b > 1.7, "{a} {b}");
-    let bound = if long() { 0.01 } else { 0.02 };
-    assert!(errors.iter().all(|e| e.abs() < bound), "{errors:?}");
+    assert!(errors.iter().all(|e| e.abs() < 0.01), "{errors:?}");
 }
 
 #[test]
@@ -123,7 +124,8 @@ fn a_rotating_patch_keeps_its_area_without_holes() {
     let kinetic = solver.energies().kinetic / start.kinetic;
     println!("rotating patch: area {area:.4}, {holes} free-surface particles inside, kinetic energy {kinetic:.3}");
     assert!((area - 1.0).abs() < 0.01 && holes == 0, "{area} {holes}");
-    assert!(kinetic > 0.8 && kinetic < 1.01, "{kinetic}");
+    // Nothing drives it: tensile control near the free surface did.
+    assert!(kinetic > 0.97 && kinetic < 1.001, "{kinetic}");
 }
 
 #[test]

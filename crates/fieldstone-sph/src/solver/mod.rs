@@ -402,13 +402,13 @@ impl Solver {
 
     /// Rates of the present state.
     fn evaluate(&mut self) -> Result<(), SphError> {
-        self.stage.evaluate(&self.state, self.time, &self.flow, &self.free)
+        self.stage.evaluate(&self.state, self.time, &self.flow, &self.regions)
     }
 
     /// Forces on walls and bodies in the latest evaluation.
     fn latest_forces(&self) -> BoundaryForces {
         let Flow { fluid, boundaries, .. } = &self.flow;
-        let tensile = fluid.tensile_control.then_some(&self.free[..]);
+        let tensile = fluid.tensile_control.then_some(&self.regions[..]);
         boundary_forces(&self.stage.points, fluid, boundaries.bodies.len(), tensile)
     }
 
@@ -458,7 +458,7 @@ impl Solver {
         if self.detector.is_some() {
             self.detect()?;
         }
-        if self.flow.shifting.is_some() {
+        if self.flow.shifting.is_some() || self.flow.fluid.tensile_control {
             self.shift()?;
         }
         clock = Instant::now();
@@ -536,7 +536,14 @@ impl Solver {
     }
 
     fn shift(&mut self) -> Result<(), SphError> {
-        let Some(shifting) = &self.flow.shifting else { return Ok(()) };
+        // Tensile control needs the regions only.
+        let regions_only = ShiftingOptions::default();
+        let shifting = match &self.flow.shifting {
+            Some(shifting) => shifting,
+            None if self.flow.fluid.tensile_control => &regions_only,
+            None => return Ok(()),
+        };
+        let moves = self.flow.shifting.is_some();
         self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let fluid = &self.flow.fluid;
@@ -550,11 +557,14 @@ impl Solver {
         }
         let mass = fluid.particle_mass();
         for (i, (shift, region)) in self.shifts.iter().enumerate() {
+            self.regions[i] = *region;
+            if !moves {
+                continue;
+            }
             for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(fluid.gravity) {
                 *x += s;
                 self.budget.shifting -= mass * g * s;
             }
-            self.regions[i] = *region;
         }
         self.stage.phases.add(Phase::Shifting, &mut clock);
         Ok(())
