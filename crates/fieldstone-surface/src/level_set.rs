@@ -10,7 +10,8 @@ use crate::{Detection, NodeField, Nodes, Smoothing, SurfaceError, Surroundings, 
 pub enum SurfaceDistance {
     /// From the plane through the nearest surface particle, as printed: jumps where another one becomes the nearest.
     Nearest,
-    /// Averaged over the surface particles within 2 Δx with weights (1 − r²/4Δx²)⁴: continuous, so surfaces are smooth.
+    /// Averaged over the surface particles within 2 Δx with weights (1 − r²/4Δx²)⁴: continuous, so surfaces are smooth. Farther
+    /// inside over those up to 2 Δx farther than the nearest.
     #[default]
     Blended,
 }
@@ -120,7 +121,8 @@ pub fn level_set(
 
     let surface: Vec<[f64; 3]> = members.iter().map(|&i| positions[i]).collect();
     let reach = (2.0 * options.smoothing.length + 1.0) * spacing;
-    let near = NeighbourGrid::build(&surface, NeighbourOptions { reach, dimension: 3, domain: surroundings.domain })?;
+    let search = NeighbourOptions { reach: reach + BLEND * spacing, dimension: 3, domain: surroundings.domain };
+    let near = NeighbourGrid::build(&surface, search)?;
     // Beyond the cover as far as an edge of a cell may reach.
     let seen = (options.cover + 0.5) * spacing;
     let points = surroundings.grid(positions, seen)?;
@@ -231,14 +233,31 @@ fn nearest(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], reach: f64, spa
     found.1
 }
 
+/// The distances that the surface particles say, averaged over those near the point; where there are none, over those as near
+/// as the nearest and up to 2 Δx farther: of one alone, in a crowd or in spray, the normal may point anywhere.
 fn blended(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], reach: f64, spacing: f64) -> f64 {
-    let limit = (BLEND * spacing).powi(2);
+    let near = average(grid, shapes, at, BLEND * spacing, spacing);
+    if near.is_finite() {
+        return near;
+    }
+    let mut nearest2 = f64::INFINITY;
+    // The reach, with what the average goes beyond it, is the grid's own.
+    let _ = grid.for_each_within(at, reach, |_, _, squared| nearest2 = squared.min(nearest2));
+    if nearest2.is_finite() {
+        average(grid, shapes, at, nearest2.sqrt() + BLEND * spacing, spacing)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Mean distance with weights (1 − r²/radius²)⁴; infinite without a surface particle within the radius.
+fn average(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], radius: f64, spacing: f64) -> f64 {
     let (mut weights, mut sum) = (0.0, 0.0);
     let visit = |surface: usize, displacement, squared: f64| {
-        let weight = (1.0 - squared / limit).powi(4);
+        let weight = (1.0 - squared / (radius * radius)).powi(4);
         weights += weight;
         sum += weight * distance(shapes[surface], displacement, squared, spacing);
     };
-    let _ = grid.for_each_within(at, BLEND * spacing, visit);
-    if weights > 0.0 { sum / weights } else { nearest(grid, shapes, at, reach, spacing) }
+    let _ = grid.for_each_within(at, radius, visit);
+    if weights > 0.0 { sum / weights } else { f64::INFINITY }
 }

@@ -240,6 +240,23 @@ fn fields_and_surfaces_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn a_crowd_of_particles_on_the_surface_makes_no_hole_below_it() {
+    // What fell onto the surface stays there, so many that the particles beside and below it see more fluid above.
+    let mut particles = block([12, 12, 12], 0.0, 1);
+    let top = particles.iter().map(|p| p[2]).fold(f64::MIN, f64::max);
+    let crowd = block([6, 6, 3], 0.0, 1);
+    particles
+        .extend(crowd.iter().map(|p| [6.0 + 0.15 * (p[0] - 3.0), 6.0 + 0.15 * (p[1] - 3.0), top + 0.6 + 0.15 * p[2]]));
+    let field = field(&particles, &Surroundings::new(1.0), 0.5, Way::LevelSet(SurfaceDistance::Blended));
+    let deep = (0..field.nodes.len()).filter(|&n| {
+        let [x, y, z] = field.nodes.position(n);
+        (2.0..10.0).contains(&x) && (2.0..10.0).contains(&y) && (2.0..top - 1.5).contains(&z)
+    });
+    let shallowest = deep.map(|n| field.values[n]).fold(f64::MAX, f64::min);
+    assert!(shallowest > 0.05, "{shallowest}");
+}
+
+#[test]
 fn normals_of_a_sphere_point_outwards() {
     let particles = body([9.0; 3], |p| length(p) < 9.0);
     for way in [Way::LevelSet(SurfaceDistance::Blended), Way::Density] {
