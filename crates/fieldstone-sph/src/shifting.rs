@@ -26,7 +26,12 @@ pub(crate) struct Shift<'a, const FOUR: bool> {
     n: i32,
     scale: f64,
     cap: f64,
+    /// Of the squared distance of the nearest free-surface particle, below which neighbours near the surface count.
+    share: f64,
 }
+
+/// Distances computed in two ways are the same up to this: what takes in the nearest particle.
+const SAME: f64 = 1.0 + 1e-9;
 
 impl<'a, const FOUR: bool> Shift<'a, FOUR> {
     pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, carriers: &'a [Carrier]) -> Self {
@@ -41,6 +46,7 @@ impl<'a, const FOUR: bool> Shift<'a, FOUR> {
             n: shifting.n,
             scale: -shifting.k_cfl * mach * shifting.factor * h * h,
             cap: shifting.cap * fluid.spacing,
+            share: if shifting.nearest_counts { SAME } else { 1.0 },
         }
     }
 }
@@ -73,9 +79,10 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
                 }
             }
         }
-        let mut base = zero;
+        let (mut base, mut limit) = (zero, zero);
         for l in 0..LANES {
             base[l] = if closest[l] >= 4.0 { 1.0 } else { 0.0 };
+            limit[l] = self.share * closest[l];
         }
         let (mut tx, mut ty, mut tz) = (zero, zero, zero);
         let mut distances = Distances::ZERO;
@@ -94,7 +101,7 @@ impl<const FOUR: bool> PairSum for Shift<'_, FOUR> {
                     let power =
                         if FOUR { (relative * relative) * (relative * relative) } else { relative.powi(self.n) };
                     let g = cube * v * self.r.mul_add(power, base[l]);
-                    let g = if s < closest[l] { g } else { 0.0 };
+                    let g = if s < limit[l] { g } else { 0.0 };
                     tx[l] = g.mul_add(dx, tx[l]);
                     ty[l] = g.mul_add(dy, ty[l]);
                     tz[l] = g.mul_add(dz, tz[l]);

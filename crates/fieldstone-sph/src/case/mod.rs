@@ -254,6 +254,7 @@ impl Case {
                     factor: shifting.factor,
                     mach: shifting.mach,
                     cap: shifting.cap,
+                    nearest_counts: shifting.nearest_counts,
                 });
             }
         }

@@ -448,12 +448,15 @@ pub struct ShiftingSection {
     pub mach: Option<f64>,
     /// Largest shift over the spacing.
     pub cap: f64,
+    /// Whether the nearest free-surface particle counts near the surface.
+    pub nearest_counts: bool,
 }
 
 impl Default for ShiftingSection {
     fn default() -> Self {
-        let crate::ShiftingOptions { k_cfl: _, r, n, factor, mach, cap } = crate::ShiftingOptions::default();
-        Self { enabled: true, detection: "exact".into(), k_cfl: None, r, n, factor, mach, cap }
+        let crate::ShiftingOptions { k_cfl: _, r, n, factor, mach, cap, nearest_counts } =
+            crate::ShiftingOptions::default();
+        Self { enabled: true, detection: "exact".into(), k_cfl: None, r, n, factor, mach, cap, nearest_counts }
     }
 }
 

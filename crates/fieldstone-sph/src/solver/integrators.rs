@@ -30,7 +30,7 @@ impl Solver {
         self.fit_middle();
         self.predict(0.5 * dt);
         self.stage.phases.add(Phase::Rest, &mut clock);
-        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.free)?;
+        self.stage.evaluate(&self.middle, self.time + 0.5 * dt, &self.flow, &self.regions)?;
         clock = Instant::now();
         self.book(dt);
         let (state, rates) = (&mut self.state, &self.stage.rates);
@@ -64,7 +64,7 @@ impl Solver {
             };
             self.middle.x.par_iter_mut().zip(self.state.x.par_iter().zip(&velocity)).for_each(advance);
             self.stage.phases.add(Phase::Rest, &mut clock);
-            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.free)?;
+            self.stage.evaluate(&self.middle, self.time + stage * dt, &self.flow, &self.regions)?;
             clock = Instant::now();
             self.book(weight * dt / 6.0);
             let latest = self.stage.rates.par_iter().zip(&self.middle.u);
