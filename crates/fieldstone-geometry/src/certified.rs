@@ -8,6 +8,9 @@ use crate::{Ball, FaceTerms, Overlap, Polyhedron, Real, Vector, face_terms, fast
 
 /// Error that results are promised to stay below, relative to the smaller of the two volumes (areas: of sphere and
 /// face).
+///
+/// Of elements with less than 1e-20 of the volume of a cube of their size, which only the rounding of their corners keeps apart from
+/// nothing, not even 256 bits promise that; their bounds still hold.
 pub const PROMISE: f64 = 1e-12;
 
 /// Arithmetic that a result was computed in.
@@ -157,8 +160,8 @@ impl Polyhedron {
 
 /// Unit normal of a planar polygon; `None` without area.
 ///
-/// From the corners as given, of which even 256 bits hold every product: moved to a ball and divided by its radius,
-/// three points of one line are so no more, and whatever rounding makes of their normal.
+/// From the corners as given, whose products 256 bits hold unless their exponents are far apart: moved to a ball and divided by its
+/// radius, three points of one line are so no more, and whatever rounding makes of their normal.
 fn unit_normal<R: Real>(corners: &[DVec3]) -> Option<Vector<R>> {
     let area = area_vector::<R>(corners);
     let length = area.length();

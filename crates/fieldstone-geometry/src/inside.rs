@@ -219,7 +219,7 @@ impl<B: Fn(usize) -> Ball, F: FnMut(usize, InsideVolume)> ManyBalls<'_, B, F> {
     }
 }
 
-/// With room for as many pieces as there are, or a little more: powers of two, of which remainders cost nothing.
+/// With room for the pieces there are: powers of two, of which remainders cost nothing.
 #[inline(always)]
 fn volumes<L: Lanes>(element: &Polyhedron, frames: &EdgeFrames, centre: [L; 3], radius: L) -> Volumes<L> {
     match frames.planes.len() {

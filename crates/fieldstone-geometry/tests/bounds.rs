@@ -141,21 +141,39 @@ fn a_ball_in_an_element_without_thickness_has_next_to_no_volume_in_it() {
 #[test]
 fn an_element_that_is_nearly_flat_has_its_volume_to_the_last_digit() {
     // Found by the test below: of terms of size 1 a volume of 8e-22 is left, of which 106 bits know 13 digits.
-    let random = &mut Random(1_041_936);
-    let element = element(random).unwrap();
-    let ball = ball(&element, random).unwrap();
+    let corners = [
+        [-0.9809315913985981, -0.4273507732269801, 0.9912916638830558],
+        [-0.4809315913985981, -1.1773507732269801, 1.2412916638830558],
+        [-1.480931591398598, 0.3226492267730199, 0.7412916638830558],
+        [-0.9309547148703798, -0.5023681158308164, 1.0163032256189466],
+        [-0.43095471487037984, -1.2523681158308164, 1.2663032256189466],
+        [-1.4309547148703798, 0.24763188416918352, 0.7663032256189467],
+    ];
+    let element = Polyhedron::element(ElementKind::Wedge, CornerOrder::Cgns, &corners, Orientation::Fix).unwrap();
+    let ball = Ball::new([-2.0138517699987495, 13.78354856765796, -21.901310298696067], 32.04317743697881).unwrap();
     let exact = overlap_in(&ball, &element, Precision::Wide).overlap.volume;
     let (volume, bound) = fast_overlap_volume(&ball, &element);
-    assert!(exact < 1e-21 && (volume - exact).abs() <= bound && bound < 1e-15 * exact, "{volume:e} {exact:e}");
+    assert!(exact > 7e-22 && exact < 8e-22 && exact == element.volume(), "{exact:e}");
+    assert!((volume - exact).abs() <= bound && bound < 1e-15 * exact, "{volume:e} {exact:e}");
 }
 
 #[test]
 fn three_corners_of_a_line_have_a_bound_in_every_precision() {
     // Found by the test below: a triangle of a warped face's fan without area had no number for its normal, after moving
-    // and scaling it to the ball.
-    let random = &mut Random(3_607_793);
-    let element = element(random).unwrap();
-    let ball = ball(&element, random).unwrap();
+    // and scaling it to the ball, which holds all of the element.
+    let corners = [
+        [-0.9623033383824016, -0.5408739865747383, -0.13567684278462888],
+        [-0.7123033383824016, -0.7908739865747383, 0.3643231572153711],
+        [-0.21230333838240156, -1.2908739865747383, 1.3643231572153711],
+        [-0.46230333838240156, -1.0408739865747383, 0.8643231572153711],
+        [-0.7123036701486982, -0.7908739865747383, 0.3643224936827779],
+        [-0.46230367014869816, -1.0408739865747383, 0.8643224936827779],
+        [0.037696329851301835, -1.5408739865747383, 1.8643224936827778],
+        [-0.21230367014869816, -1.2908739865747383, 1.3643224936827778],
+    ];
+    let element = Polyhedron::element(ElementKind::Hexahedron, CornerOrder::Cgns, &corners, Orientation::Fix).unwrap();
+    let ball = Ball::new([-0.47467019037062974, -1.112898348950287, 0.8188540477243219], 26378.251305867714).unwrap();
+    assert!(element.corners().all(|corner| distance(corner, ball.centre()) < 10.0));
     for precision in [Precision::DoubleDouble, Precision::Wide] {
         let found = overlap_in(&ball, &element, precision);
         assert!((found.overlap.volume - element.volume()).abs() <= found.volume_error, "{found:?}");

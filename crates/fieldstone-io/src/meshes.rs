@@ -56,7 +56,7 @@ fn format_of(path: &Path) -> Result<Format, IoError> {
 }
 
 /// Reads a mesh, deciding on the format by content: an OpenFOAM case, `constant`, `polyMesh` or `processorN` folder (or a
-/// file in `polyMesh`), Gmsh 2.2 and 4.1, VTK `.vtu` and legacy `.vtk`.
+/// file in `polyMesh`), Gmsh 2.0 to 2.2 and 4.1, VTK `.vtu` and legacy `.vtk`.
 ///
 /// # Errors
 /// [`IoError::UnknownFormat`] where the content is none of these; else the reader's own.
@@ -68,7 +68,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, IoError> {
         Format::Unknown(found) => Err(IoError::UnknownFormat {
             path: path.into(),
             found: found.into(),
-            readable: "OpenFOAM polyMesh folders, Gmsh .msh 2.2 and 4.1, VTK .vtu and .vtk".into(),
+            readable: "OpenFOAM polyMesh folders, Gmsh .msh 2.0 to 2.2 and 4.1, VTK .vtu and .vtk".into(),
         }),
     }
 }

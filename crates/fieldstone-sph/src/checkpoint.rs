@@ -5,13 +5,13 @@ use fieldstone_io::AtomicFile;
 use crate::solver::Snapshot;
 use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
 
-const MAGIC: &[u8; 8] = b"FSTNSPH\x02";
+const MAGIC: &[u8; 8] = b"FSTNSPH\x03";
 
 /// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 2 |
+/// | 8 | `FSTNSPH`, version 3 |
 /// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |

@@ -3,9 +3,6 @@ use crate::neighbour_list::PairSum;
 use crate::points::Carrier;
 use crate::{FluidOptions, ShiftingOptions};
 
-/// Where a particle is: region F of Eq. 11.
-pub(crate) const FREE: u8 = 1;
-
 /// Farther than 2h from every particle of the free surface: region I.
 pub(crate) const INSIDE: u8 = 2;
 
@@ -30,7 +27,7 @@ pub(crate) struct Shift<'a, const FOUR: bool> {
     share: f64,
 }
 
-/// Distances computed in two ways are the same up to this: what takes in the nearest particle.
+/// Distances computed in two ways are the same up to this: what takes in, or leaves out, the nearest particle.
 const SAME: f64 = 1.0 + 1e-9;
 
 impl<'a, const FOUR: bool> Shift<'a, FOUR> {
@@ -46,7 +43,7 @@ impl<'a, const FOUR: bool> Shift<'a, FOUR> {
             n: shifting.n,
             scale: -shifting.k_cfl * mach * shifting.factor * h * h,
             cap: shifting.cap * fluid.spacing,
-            share: if shifting.nearest_counts { SAME } else { 1.0 },
+            share: if shifting.nearest_counts { SAME } else { 1.0 / SAME },
         }
     }
 }

@@ -59,12 +59,71 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
         ("sound_speed = 44.3", "sound_speed = 4.0", "c.toml:12: the speed of sound is 4; for an expected pressure of"),
         ("spacing = 0.025", "spacing = 0", "c.toml:3: "),
         ("shape = \"box\"", "shape = \"cube\"", "c.toml:22: unknown variant `cube`, expected one of `box`"),
-        ("high = [1.0, 0.5]", "high = [1.0, -0.5]", "c.toml:24: high is [1.0, -0.5, 0.0]; it must be above low"),
+        ("high = [1.0, 0.5]", "high = [1.0, -0.5]", "c.toml:24: high is [1.0, -0.5]; it must be above low"),
         ("high = [1.0, 0.5]", "high = [1.1, 0.5]", "c.toml:22: the fill leaves the domain at"),
         ("open = [\"y+\"]", "open = [\"up\"]", "c.toml:8: 'up' is no face"),
         ("gravity = [0.0, -9.81]", "gravity = [0.0]", "c.toml:16: 1 numbers were found; give 2"),
         ("end = 10.0", "end = 10.0\ncfl = 7", "c.toml:20: the CFL number is 7; it must be above 0 and at most 4"),
-        ("kind = \"pressure\"", "kind = \"force\"", "there are 0 bodies"),
+        ("open = [\"y+\"]", "periodic = [\"z\"]", "c.toml:8: there is no z in two dimensions; give x or y"),
+        ("open = [\"y+\"]", "periodic = [\"x\", \"x\"]", "c.toml:8: x is listed twice"),
+        ("open = [\"y+\"]", "open = [\"y+\"]\nperiodic = [\"y\"]", "c.toml:9: y is periodic and has an open face"),
+        (
+            "spacing = 0.025",
+            "spacing = 1e-9",
+            "c.toml:3: a spacing of 0.000000001 makes about 5.0e17 particles, at most",
+        ),
+        ("expected_speed = 1.0", "expected_speed = inf", "expected_speed is inf; it must be finite and at least 0"),
+        ("kind = \"tank\"", "kind = \"tank\"\npoint = [0, 0]", "a plane needs point and normal, a tank has neither"),
+        (
+            "shape = \"box\"",
+            "shape = \"box\"\nradius = 3",
+            "c.toml:23: radius does not go with shape = \"box\", which takes low, high",
+        ),
+        (
+            "shape = \"box\"",
+            "shape = \"box\"\nrate = 1",
+            "c.toml:23: rate does not go with a uniform flow, which takes velocity",
+        ),
+        (
+            "shape = \"box\"",
+            "shape = \"box\"\nvelocity = [nan, 0]",
+            "c.toml:23: velocity is [NaN, 0.0]; give 2 finite numbers",
+        ),
+        (
+            "shape = \"box\"",
+            "shape = \"box\"\nflow = \"taylor-green\"\nspeed = 1",
+            "c.toml:23: this flow needs wavelength",
+        ),
+        (
+            "pressure = \"hydrostatic\"",
+            "pressure = \"hydro\"",
+            "pressure is neither a number nor \"hydrostatic\" nor \"flow\"",
+        ),
+        ("pressure = \"hydrostatic\"", "pressure = nan", "pressure is NaN; it must be finite"),
+        (
+            "low = [0.0, 0.0]\nhigh = [1.0, 0.5]",
+            "low = [0.0, 0.0, 0.0]\nhigh = [1.0, 0.5]",
+            "low is [0.0, 0.0, 0.0]; give 2 finite numbers",
+        ),
+        ("kind = \"pressure\"", "kind = \"force\"", "at does not go with kind = \"force\", which takes body"),
+        (
+            "kind = \"pressure\"",
+            "kind = \"pressure\"\nbody = 0",
+            "body does not go with kind = \"pressure\", which takes at",
+        ),
+        ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"f\"\nkind = \"force\"\nbody = 2", "there are 0 bodies"),
+        (
+            "end = 10.0",
+            "end = 10.0\n[[gauge]]\nname = \"f\"\nkind = \"front\"\naxis = \"z\"",
+            "there is no z in two dimensions",
+        ),
+        (
+            "end = 10.0",
+            "end = 10.0\n[[gauge]]\nname = \"f\"\nkind = \"level\"\nat = [5.0, 0.0]",
+            "at is [5.0, 0.0]; it must be in the domain",
+        ),
+        ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"time\"\nkind = \"front\"", "the name 'time' is taken"),
+        ("end = 10.0", "end = 10.0\n[shifting]\ncap = 7", "c.toml:21: the largest shift over the spacing is 7"),
     ] {
         assert!(good.contains(from));
         let text = good.replacen(from, to, 1);

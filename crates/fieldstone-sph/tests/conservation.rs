@@ -194,3 +194,21 @@ fn detection_methods_can_be_exchanged_and_shifting_follows_them() {
     assert!(counts.iter().all(|c| (30..=45).contains(&c[0]) && c[1] > 90 && c[2] > 60), "{counts:?}");
     assert_eq!(counts[0], counts[3]);
 }
+
+#[test]
+fn detection_without_shifting_tells_the_regions_and_moves_nothing() {
+    for tensile in [false, true] {
+        let (mut flow, state) = dam_break(0.02, Slip::Free);
+        flow.detection = Some(Method::Exact);
+        flow.fluid.tensile_control = tensile;
+        let mut solver = Solver::new(flow, state).unwrap();
+        for _ in 0..3 {
+            // The column's surface, what is within 2h of it, and the rest.
+            let mut counts = [0; 3];
+            solver.regions().iter().for_each(|&r| counts[r as usize] += 1);
+            assert!(counts[0] > 20 && counts[1] > 2 * counts[0] && counts[2] > counts[0], "{counts:?}");
+            assert_eq!(solver.shifts().count(), 0);
+            solver.step().unwrap();
+        }
+    }
+}

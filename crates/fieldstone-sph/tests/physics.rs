@@ -75,7 +75,7 @@ fn an_elliptic_drop_keeps_to_its_ordinary_differential_equation() {
     let state = state(&[disc], &fluid, |x| [-x[0], x[1], 0.0], |x| 500.0 * (1.0 - x[0] * x[0] - x[1] * x[1]));
     let mut flow = Flow::new(fluid, Boundaries::new([-4.0; 3], [4.0; 3], dx));
     flow.time_step.integrator = Integrator::Symplectic;
-    // Without it the lattice, stretched to four times its width, opens gaps, and the small axis is 1.4 % too long.
+    // Without it the lattice, stretched to twice its length and half its width, opens gaps, and the small axis is 1.4 % too long.
     flow.shifting = Some(ShiftingOptions::default());
     let mut solver = Solver::new(flow, state).unwrap();
     // Second moments tell the axes of a homogeneous ellipse, without a rim of half a spacing.

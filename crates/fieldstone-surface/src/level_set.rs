@@ -10,8 +10,8 @@ use crate::{Detection, NodeField, Nodes, Smoothing, SurfaceError, Surroundings, 
 pub enum SurfaceDistance {
     /// From the plane through the nearest surface particle, as printed: jumps where another one becomes the nearest.
     Nearest,
-    /// Averaged over the surface particles within 2 Δx with weights (1 − r²/4Δx²)⁴: continuous, so surfaces are smooth. Farther
-    /// inside over those up to 2 Δx farther than the nearest.
+    /// Averaged over the surface particles within R with weights (1 − r²/R²)⁴, R = 2 Δx, or where the
+    /// nearest is farther than Δx twice its distance, at most 2 Δx more: continuous, so surfaces are smooth, and no particle decides alone.
     #[default]
     Blended,
 }
@@ -36,7 +36,7 @@ impl Default for LevelSetOptions {
     }
 }
 
-/// Averages reach this far, over the spacing.
+/// Averages reach at least this far, over the spacing.
 const BLEND: f64 = 2.0;
 
 /// No point inside a lattice is farther than this from its particles, over the spacing (√3/2).
@@ -228,30 +228,21 @@ fn nearest(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], reach: f64, spa
             found = (squared, distance(shapes[surface], displacement, squared, spacing));
         }
     };
-    // The reach is the grid's own.
     let _ = grid.for_each_within(at, reach, visit);
     found.1
 }
 
-/// The distances that the surface particles say, averaged over those near the point; where there are none, over those as near
-/// as the nearest and up to 2 Δx farther: of one alone, in a crowd or in spray, the normal may point anywhere.
+/// The distances that surface particles say, averaged over those near the point, and over more the farther they are: of one
+/// alone, in a crowd or in spray, the normal may point anywhere. Infinite where none is within reach.
 fn blended(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], reach: f64, spacing: f64) -> f64 {
-    let near = average(grid, shapes, at, BLEND * spacing, spacing);
-    if near.is_finite() {
-        return near;
-    }
     let mut nearest2 = f64::INFINITY;
-    // The reach, with what the average goes beyond it, is the grid's own.
+    // The grid reaches as far as any radius below.
     let _ = grid.for_each_within(at, reach, |_, _, squared| nearest2 = squared.min(nearest2));
-    if nearest2.is_finite() {
-        average(grid, shapes, at, nearest2.sqrt() + BLEND * spacing, spacing)
-    } else {
-        f64::INFINITY
+    if nearest2 == f64::INFINITY {
+        return f64::INFINITY;
     }
-}
-
-/// Mean distance with weights (1 − r²/radius²)⁴; infinite without a surface particle within the radius.
-fn average(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], radius: f64, spacing: f64) -> f64 {
+    let nearest = nearest2.sqrt();
+    let radius = (2.0 * nearest).min(nearest + BLEND * spacing).max(BLEND * spacing);
     let (mut weights, mut sum) = (0.0, 0.0);
     let visit = |surface: usize, displacement, squared: f64| {
         let weight = (1.0 - squared / (radius * radius)).powi(4);
@@ -259,5 +250,5 @@ fn average(grid: &NeighbourGrid, shapes: &[Shape], at: [f64; 3], radius: f64, sp
         sum += weight * distance(shapes[surface], displacement, squared, spacing);
     };
     let _ = grid.for_each_within(at, radius, visit);
-    if weights > 0.0 { sum / weights } else { f64::INFINITY }
+    sum / weights
 }

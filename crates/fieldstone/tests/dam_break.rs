@@ -55,6 +55,10 @@ fn measured_flows_are_refused_without_their_measurements() {
     let folder = Folder::new();
     let said = folder.fails("reproduce dam-break out --only buchner");
     assert!(said.contains("--measurements"), "{said}");
+    // A folder without the file: named before anything is computed.
+    let said = folder.fails("reproduce dam-break out --only buchner --measurements .");
+    assert!(said.contains("there is no file ./buchner2002_pressure.txt"), "{said}");
+    assert!(!folder.path("out").exists());
 }
 
 /// A minute: FIELDSTONE_SPH_LONG=1 runs it. The measurements are not in the repository.

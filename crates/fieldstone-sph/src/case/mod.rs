@@ -1,6 +1,8 @@
 //! Flows described in TOML.
 
+mod check;
 mod flows;
+mod keys;
 mod locate;
 mod motion;
 mod sections;
@@ -106,6 +108,7 @@ impl Case {
             let start = e.span().map_or(0, |span| span.start.min(text.len()));
             let line = text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1;
             let mut message = e.message().trim_end().replace('\n', " ");
+            message = message.replace("expected usize", "expected a whole number from 0");
             let freely =
                 ["mass", "inertia", "density", "velocity", "floating"].map(|key| format!("unknown field `{key}`"));
             if section_at(text, line) == Some("body") && freely.iter().any(|start| message.starts_with(start)) {
@@ -145,62 +148,6 @@ impl Case {
         self.sections.dimension - 1
     }
 
-    fn check(&self) -> Result<(), SphError> {
-        let s = &self.sections;
-        if !matches!(s.dimension, 2 | 3) {
-            return Err(self.fault("", 0, "dimension", format!("the dimension is {}; it must be 2 or 3", s.dimension)));
-        }
-        if !(s.spacing > 0.0 && s.spacing.is_finite()) {
-            let message = format!("the spacing is {}; it must be finite and above 0", s.spacing);
-            return Err(self.fault("", 0, "spacing", message));
-        }
-        let positive = |section: &str, key: &str, value: f64| {
-            if value > 0.0 && value.is_finite() {
-                return Ok(());
-            }
-            Err(self.fault(section, 0, key, format!("{key} is {value}; it must be finite and above 0")))
-        };
-        positive("time", "end", s.time.end)?;
-        positive("output", "every", s.output.every.unwrap_or(1.0))?;
-        positive("output", "gauges_every", s.output.gauges_every.unwrap_or(1.0))?;
-        positive("output", "checkpoint_every", s.output.checkpoint_every)?;
-        if s.fluid.viscosity.is_some() && s.fluid.alpha.is_some() {
-            return Err(self.fault("fluid", 0, "alpha", "both viscosity and alpha are given; give one of them"));
-        }
-        for (nth, fill) in s.fill.iter().enumerate() {
-            fill.check_flow().map_err(|(key, message)| self.fault("fill", nth, key, message))?;
-        }
-        for (nth, wall) in s.wall.iter().enumerate() {
-            let plane = wall.kind == WallKind::Plane;
-            if plane != (wall.point.is_some() && wall.normal.is_some()) || !plane && wall.normal.is_some() {
-                let message = "a plane needs point and normal, a tank has neither";
-                return Err(self.fault("wall", nth, "kind", message));
-            }
-        }
-        for (nth, gauge) in s.gauge.iter().enumerate() {
-            gauge.check(s.body.len()).map_err(|(key, message)| self.fault("gauge", nth, key, message))?;
-            if gauge.name.contains([',', '"', '\n']) || s.gauge[..nth].iter().any(|g| g.name == gauge.name) {
-                let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
-                return Err(self.fault("gauge", nth, "name", message));
-            }
-        }
-        self.flow()?;
-        // The lattice of the start would be torn where it meets its own image.
-        for &axis in &s.domain.periodic {
-            let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
-            let layers = length / s.spacing;
-            if (layers - layers.round()).abs() > 1e-6 * layers {
-                let message = format!(
-                    "the periodic length {length} is {layers:.3} spacings of {}; it must be a whole number of them, as {} is",
-                    s.spacing,
-                    layers.round() * s.spacing
-                );
-                return Err(self.fault("domain", 0, "high", message));
-            }
-        }
-        Ok(())
-    }
-
     /// Fluid, boundaries and options, checked.
     ///
     /// # Errors
@@ -208,6 +155,12 @@ impl Case {
     pub fn flow(&self) -> Result<Flow, SphError> {
         let s = &self.sections;
         let f = &s.fluid;
+        for (key, value) in [("expected_speed", f.expected_speed), ("expected_pressure", f.expected_pressure)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                let message = format!("{key} is {value}; it must be finite and at least 0");
+                return Err(self.fault("fluid", 0, key, message));
+            }
+        }
         let mut fluid = FluidOptions::new(s.dimension, s.spacing, f.expected_speed, f.expected_pressure);
         fluid.density = f.density;
         fluid.sound_speed =
@@ -285,6 +238,12 @@ impl Case {
                 "the largest time step" => ("time", 0, "largest"),
                 "an edge of the domain" => ("domain", 0, "high"),
                 "the cosine between two walls" => ("wall", 0, "kind"),
+                "k_CFL of the shifting" => ("shifting", 0, "k_cfl"),
+                "R of the shifting" => ("shifting", 0, "r"),
+                "n of the shifting" => ("shifting", 0, "n"),
+                "the factor of the shifting" => ("shifting", 0, "factor"),
+                "the Mach number of the shifting" => ("shifting", 0, "mach"),
+                "the largest shift over the spacing" => ("shifting", 0, "cap"),
                 _ => ("shifting", 0, ""),
             },
             _ => return error,
@@ -294,15 +253,8 @@ impl Case {
 
     fn boundaries(&self) -> Result<Boundaries, SphError> {
         let s = &self.sections;
-        let corner = |key: &str, given: &[f64]| -> Result<[f64; 3], SphError> {
-            if given.len() != s.dimension || given.iter().any(|x| !x.is_finite()) {
-                let message = format!("{key} is {given:?}; give {} finite numbers", s.dimension);
-                return Err(self.fault("domain", 0, key, message));
-            }
-            Ok(std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0)))
-        };
-        let low = corner("low", &s.domain.low)?;
-        let high = corner("high", &s.domain.high)?;
+        let corner = |given: &[f64]| std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0));
+        let (low, high): ([f64; 3], [f64; 3]) = (corner(&s.domain.low), corner(&s.domain.high));
         let mut boundaries = Boundaries::new(low, high, s.spacing);
         for axis in &s.domain.periodic {
             boundaries.periodic[*axis as usize] = true;
@@ -353,18 +305,24 @@ impl Case {
     /// The shape of the nth fill or body.
     fn shape(&self, section: &str, nth: usize, keys: &ShapeKeys) -> Result<Shape, SphError> {
         let placed = |(key, message): (&str, String)| self.fault(section, nth, key, message);
-        let Some(wanted) = keys.surface().map_err(placed)? else { return keys.plain().map_err(placed) };
+        let Some(wanted) = keys.surface().map_err(placed)? else {
+            return keys.plain(self.sections.dimension).map_err(placed);
+        };
         let known = self.surfaces.iter().find(|(keys, _)| *keys == wanted).map(|(_, surface)| Arc::clone(surface));
         Ok(Shape::Surface(known.map_or_else(|| self.surface(section, nth, &wanted), Ok)?))
     }
 
+    /// What fills and bodies say of their shapes, with section and number.
+    fn shapes(&self) -> impl Iterator<Item = (&'static str, usize, ShapeKeys<'_>)> {
+        let fills = self.sections.fill.iter().map(FillSection::keys).enumerate();
+        let bodies = self.sections.body.iter().map(BodySection::keys).enumerate();
+        fills.map(|(nth, keys)| ("fill", nth, keys)).chain(bodies.map(|(nth, keys)| ("body", nth, keys)))
+    }
+
     /// Reads each surface once: flow and state ask for it again and again.
     fn read_surfaces(&mut self) -> Result<(), SphError> {
-        let fills = self.sections.fill.iter().map(FillSection::keys).enumerate().map(|(nth, keys)| ("fill", nth, keys));
-        let bodies =
-            self.sections.body.iter().map(BodySection::keys).enumerate().map(|(nth, keys)| ("body", nth, keys));
         let mut surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)> = Vec::new();
-        for (section, nth, keys) in fills.chain(bodies) {
+        for (section, nth, keys) in self.shapes() {
             let wanted = keys.surface().map_err(|(key, message)| self.fault(section, nth, key, message))?;
             if let Some(wanted) = wanted.filter(|wanted| surfaces.iter().all(|(keys, _)| keys != wanted)) {
                 let surface = self.surface(section, nth, &wanted)?;
@@ -395,7 +353,14 @@ impl Case {
         let dimension = self.sections.dimension;
         match &self.sections.body[nth].motion {
             None => Ok(None),
-            Some(MotionSection::File(name)) => motion::read_table(&self.beside(name), dimension).map(Some),
+            Some(MotionSection::File(name)) => {
+                let path = self.beside(name);
+                if !path.is_file() {
+                    let message = format!("there is no file {}; give its path from the case's folder", path.display());
+                    return Err(self.fault("body", nth, "motion", message));
+                }
+                motion::read_table(&path, dimension).map(Some)
+            }
             Some(MotionSection::Rows(rows)) => MotionSection::of_rows(rows, dimension)
                 .map(Some)
                 .map_err(|message| self.fault("body", nth, "motion", message)),

@@ -1,9 +1,10 @@
 use serde::Deserialize;
 
 use super::MotionSection;
+use super::keys::{finite, only, positive, vector};
 use crate::{Shape, Slip};
 
-type Fault = (&'static str, String);
+pub(super) type Fault = (&'static str, String);
 
 /// An axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -129,20 +130,9 @@ pub enum ShapeName {
     Stl,
 }
 
-fn point(key: &'static str, given: Option<&Vec<f64>>) -> Result<[f64; 3], Fault> {
+fn point(key: &'static str, given: Option<&Vec<f64>>, dimension: usize) -> Result<[f64; 3], Fault> {
     match given {
-        Some(p) if (2..=3).contains(&p.len()) && p.iter().all(|x| x.is_finite()) => {
-            Ok([p[0], p[1], p.get(2).copied().unwrap_or(0.0)])
-        }
-        Some(p) => Err((key, format!("{key} is {p:?}; give 2 or 3 finite numbers, as many as there are dimensions"))),
-        None => Err(("shape", format!("this shape needs {key}"))),
-    }
-}
-
-fn length(key: &'static str, given: Option<f64>) -> Result<f64, Fault> {
-    match given {
-        Some(x) if x > 0.0 && x.is_finite() => Ok(x),
-        Some(x) => Err((key, format!("{key} is {x}; it must be finite and above 0"))),
+        Some(p) => vector(key, p, dimension),
         None => Err(("shape", format!("this shape needs {key}"))),
     }
 }
@@ -188,58 +178,67 @@ macro_rules! shape_keys {
 }
 
 impl ShapeKeys<'_> {
+    /// Refuses keys of other shapes.
+    pub(super) fn check(&self) -> Result<(), Fault> {
+        let (kind, takes): (_, &[&str]) = match self.name {
+            ShapeName::Box => ("shape = \"box\"", &["low", "high"]),
+            ShapeName::Cylinder => ("shape = \"cylinder\"", &["centre", "radius", "length", "axis"]),
+            ShapeName::Sphere => ("shape = \"sphere\"", &["centre", "radius"]),
+            ShapeName::Stl => ("shape = \"stl\"", &["file", "scale", "offset"]),
+        };
+        let keys = [
+            ("low", self.low.is_some()),
+            ("high", self.high.is_some()),
+            ("centre", self.centre.is_some()),
+            ("radius", self.radius.is_some()),
+            ("length", self.length.is_some()),
+            ("axis", self.axis.is_some()),
+            ("file", self.file.is_some()),
+            ("scale", self.scale.is_some()),
+            ("offset", self.offset.is_some()),
+        ];
+        only(kind, takes, &keys)
+    }
+
     /// The surface's file, where the shape is one.
     pub(super) fn surface(&self) -> Result<Option<SurfaceKeys>, Fault> {
         if self.name != ShapeName::Stl {
-            let stray =
-                [("file", self.file.is_some()), ("scale", self.scale.is_some()), ("offset", self.offset.is_some())];
-            return match stray.into_iter().find(|(_, given)| *given) {
-                Some((key, _)) => Err((key, format!("{key} belongs to shape = \"stl\""))),
-                None => Ok(None),
-            };
+            return Ok(None);
         }
         let file = self.file.ok_or_else(|| ("shape", "this shape needs file".to_string()))?.clone();
-        let scale = if self.scale.is_some() { length("scale", self.scale)? } else { 1.0 };
-        let offset = if self.offset.is_some() { point("offset", self.offset)? } else { [0.0; 3] };
+        let scale = if self.scale.is_some() { positive("shape", "scale", self.scale)? } else { 1.0 };
+        let offset = if self.offset.is_some() { point("offset", self.offset, 3)? } else { [0.0; 3] };
         Ok(Some(SurfaceKeys { file, scale, offset }))
     }
 
     /// A shape that is no surface.
-    pub(super) fn plain(&self) -> Result<Shape, Fault> {
-        let Self { name, low, high, centre, radius, length: extent, axis, .. } = *self;
-        plain_shape(name, [low, high, centre], radius, extent, axis)
-    }
-}
-
-fn plain_shape(
-    name: ShapeName,
-    [low, high, centre]: [Option<&Vec<f64>>; 3],
-    radius: Option<f64>,
-    extent: Option<f64>,
-    axis: Option<AxisName>,
-) -> Result<Shape, Fault> {
-    Ok(match name {
-        ShapeName::Stl => return Err(("shape", "this shape is a surface".into())),
-        ShapeName::Box => {
-            let (low, high) = (point("low", low)?, point("high", high)?);
-            if (0..2).any(|k| low[k] >= high[k]) || low[2] > high[2] {
-                return Err(("high", format!("high is {high:?}; it must be above low, {low:?}, along every axis")));
+    pub(super) fn plain(&self, dimension: usize) -> Result<Shape, Fault> {
+        let centre = || point("centre", self.centre, dimension);
+        let radius = || positive("shape", "radius", self.radius);
+        Ok(match self.name {
+            ShapeName::Stl => return Err(("shape", "this shape is a surface".into())),
+            ShapeName::Box => {
+                let (low, high) = (point("low", self.low, dimension)?, point("high", self.high, dimension)?);
+                if (0..dimension).any(|k| low[k] >= high[k]) {
+                    let (low, high) = (&low[..dimension], &high[..dimension]);
+                    return Err(("high", format!("high is {high:?}; it must be above low, {low:?}, along every axis")));
+                }
+                Shape::Box { low, high }
             }
-            Shape::Box { low, high }
-        }
-        ShapeName::Sphere => Shape::Sphere { centre: point("centre", centre)?, radius: length("radius", radius)? },
-        ShapeName::Cylinder => Shape::Cylinder {
-            centre: point("centre", centre)?,
-            radius: length("radius", radius)?,
-            length: length("length", extent)?,
-            axis: axis.ok_or_else(|| ("shape", "this shape needs axis".to_string()))? as usize,
-        },
-    })
+            ShapeName::Sphere => Shape::Sphere { centre: centre()?, radius: radius()? },
+            ShapeName::Cylinder => Shape::Cylinder {
+                centre: centre()?,
+                radius: radius()?,
+                length: positive("shape", "length", self.length)?,
+                axis: self.axis.ok_or_else(|| ("shape", "this shape needs axis".to_string()))? as usize,
+            },
+        })
+    }
 }
 
 /// Initial pressure of a fill.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "pressure is neither a number nor \"hydrostatic\" nor \"flow\"; give one of these")]
 pub enum Pressure {
     /// The same everywhere.
     Uniform(f64),
@@ -325,22 +324,38 @@ impl FillSection {
         shape_keys!(self)
     }
 
-    pub(super) fn check_flow(&self) -> Result<(), Fault> {
-        let needs = |key: &'static str, value: Option<f64>| match value {
-            Some(x) if x.is_finite() => Ok(()),
-            Some(x) => Err((key, format!("{key} is {x}; it must be finite"))),
-            None => Err(("flow", format!("this flow needs {key}"))),
+    pub(super) fn check_flow(&self, dimension: usize) -> Result<(), Fault> {
+        let (kind, takes): (_, &[&str]) = match self.flow {
+            FlowName::Uniform => ("a uniform flow", &["velocity"]),
+            FlowName::Rotation => ("flow = \"rotation\"", &["rate"]),
+            FlowName::Strain => ("flow = \"strain\"", &["rate"]),
+            FlowName::TaylorGreen => ("flow = \"taylor-green\"", &["speed", "wavelength"]),
+            FlowName::StandingWave => ("flow = \"standing-wave\"", &["amplitude", "wavelength"]),
         };
+        let keys = [
+            ("velocity", self.velocity.is_some()),
+            ("rate", self.rate.is_some()),
+            ("speed", self.speed.is_some()),
+            ("wavelength", self.wavelength.is_some()),
+            ("amplitude", self.amplitude.is_some()),
+        ];
+        only(kind, takes, &keys)?;
+        if let Pressure::Uniform(pressure) = self.pressure {
+            finite("fill", "pressure", Some(pressure))?;
+        }
         match self.flow {
-            FlowName::Uniform => Ok(()),
-            FlowName::Rotation | FlowName::Strain => needs("rate", self.rate),
+            FlowName::Uniform => match &self.velocity {
+                Some(velocity) => vector("velocity", velocity, dimension).map(|_| ()),
+                None => Ok(()),
+            },
+            FlowName::Rotation | FlowName::Strain => finite("flow", "rate", self.rate).map(|_| ()),
             FlowName::TaylorGreen => {
-                needs("speed", self.speed)?;
-                length("wavelength", self.wavelength).map(|_| ())
+                finite("flow", "speed", self.speed)?;
+                positive("flow", "wavelength", self.wavelength).map(|_| ())
             }
             FlowName::StandingWave => {
-                needs("amplitude", self.amplitude)?;
-                length("wavelength", self.wavelength).map(|_| ())
+                finite("flow", "amplitude", self.amplitude)?;
+                positive("flow", "wavelength", self.wavelength).map(|_| ())
             }
         }
     }
@@ -511,18 +526,32 @@ pub struct GaugeSection {
 impl GaugeSection {
     /// Where it is; the origin for gauges without a place.
     pub fn place(&self) -> [f64; 3] {
-        point("at", self.at.as_ref()).unwrap_or_default()
+        let at = self.at.as_deref().unwrap_or_default();
+        std::array::from_fn(|k| at.get(k).copied().unwrap_or(0.0))
     }
 
-    pub(super) fn check(&self, bodies: usize) -> Result<(), Fault> {
+    pub(super) fn check(&self, bodies: usize, low: &[f64], high: &[f64]) -> Result<(), Fault> {
+        let (kind, takes): (_, &[&str]) = match self.kind {
+            GaugeKind::Pressure => ("kind = \"pressure\"", &["at"]),
+            GaugeKind::Level => ("kind = \"level\"", &["at"]),
+            GaugeKind::Front => ("kind = \"front\"", &["axis"]),
+            GaugeKind::Force => ("kind = \"force\"", &["body"]),
+        };
+        let keys = [("at", self.at.is_some()), ("axis", self.axis.is_some()), ("body", self.body.is_some())];
+        only(kind, takes, &keys)?;
+        let dimension = low.len();
         match self.kind {
             GaugeKind::Pressure | GaugeKind::Level => {
-                if self.at.is_none() {
-                    return Err(("kind", "this gauge needs at".into()));
+                let Some(at) = &self.at else { return Err(("kind", "this gauge needs at".into())) };
+                let at = vector("at", at, dimension)?;
+                if (0..dimension).any(|k| at[k] < low[k] || at[k] > high[k]) {
+                    let at = &at[..dimension];
+                    return Err(("at", format!("at is {at:?}; it must be in the domain, from {low:?} to {high:?}")));
                 }
-                point("at", self.at.as_ref()).map(|_| ())
+                Ok(())
             }
-            GaugeKind::Front => Ok(()),
+            GaugeKind::Front if self.axis.map_or(0, |axis| axis as usize) < dimension => Ok(()),
+            GaugeKind::Front => Err(("axis", "there is no z in two dimensions; give x or y".into())),
             GaugeKind::Force if self.body.unwrap_or(0) < bodies => Ok(()),
             GaugeKind::Force => {
                 Err(("body", format!("there are {bodies} bodies, numbered from 0; name one of them, or add one")))

@@ -14,7 +14,7 @@ use crate::error::check;
 use crate::ghosts::Ghosts;
 use crate::neighbour_count::NeighbourCount;
 use crate::phases::{Phase, Phases};
-use crate::shifting::{FREE, Shift};
+use crate::shifting::Shift;
 use crate::spatial_order::spatial_order;
 use crate::stage::Stage;
 use crate::{
@@ -178,8 +178,7 @@ impl Solver {
         solver.budget.momentum.start = energies.momentum;
         if solver.detector.is_some() {
             solver.detect()?;
-            solver.regions.clear();
-            solver.regions.extend(solver.free.iter().map(|&f| if f == FREE { 0 } else { 2 }));
+            solver.find_regions()?;
         }
         Ok(solver)
     }
@@ -457,9 +456,10 @@ impl Solver {
         self.stage.phases.add(Phase::Rest, &mut clock);
         if self.detector.is_some() {
             self.detect()?;
-        }
-        if self.flow.shifting.is_some() || self.flow.fluid.tensile_control {
-            self.shift()?;
+            match self.flow.shifting {
+                Some(shifting) => self.shift(&shifting)?,
+                None => self.find_regions()?,
+            }
         }
         clock = Instant::now();
         let after = self.stage.displacement(&self.state.x);
@@ -529,23 +529,39 @@ impl Solver {
         }
         let detection = &self.detection;
         (0..count).into_par_iter().map(|i| u8::from(detection.is_free_surface(i))).collect_into_vec(&mut self.free);
-        self.regions.clear();
-        self.regions.extend(self.free.iter().map(|&f| if f == FREE { 0 } else { 2 }));
         self.stage.phases.add(Phase::Detection, &mut clock);
         Ok(())
     }
 
-    fn shift(&mut self) -> Result<(), SphError> {
-        // Tensile control needs the regions only.
-        let regions_only = ShiftingOptions::default();
-        let shifting = match &self.flow.shifting {
-            Some(shifting) => shifting,
-            None if self.flow.fluid.tensile_control => &regions_only,
-            None => return Ok(()),
-        };
-        let moves = self.flow.shifting.is_some();
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
+    /// Regions of the present state, where nothing is shifted.
+    fn find_regions(&mut self) -> Result<(), SphError> {
         let mut clock = Instant::now();
+        self.sum_shifts(&ShiftingOptions::default())?;
+        for (region, (_, found)) in self.regions.iter_mut().zip(self.shifts.drain(..)) {
+            *region = found;
+        }
+        self.stage.phases.add(Phase::Detection, &mut clock);
+        Ok(())
+    }
+
+    fn shift(&mut self, shifting: &ShiftingOptions) -> Result<(), SphError> {
+        let mut clock = Instant::now();
+        self.sum_shifts(shifting)?;
+        let (mass, gravity) = (self.flow.fluid.particle_mass(), self.flow.fluid.gravity);
+        for (i, (shift, region)) in self.shifts.iter().enumerate() {
+            for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(gravity) {
+                *x += s;
+                self.budget.shifting -= mass * g * s;
+            }
+            self.regions[i] = *region;
+        }
+        self.stage.phases.add(Phase::Shifting, &mut clock);
+        Ok(())
+    }
+
+    /// Shift and region of each particle.
+    fn sum_shifts(&mut self, shifting: &ShiftingOptions) -> Result<(), SphError> {
+        self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;
         points.fill_shifting(&self.state, fluid.particle_mass(), &self.free);
@@ -555,18 +571,6 @@ impl Solver {
         } else {
             points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, &points.carriers), &mut self.shifts);
         }
-        let mass = fluid.particle_mass();
-        for (i, (shift, region)) in self.shifts.iter().enumerate() {
-            self.regions[i] = *region;
-            if !moves {
-                continue;
-            }
-            for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(fluid.gravity) {
-                *x += s;
-                self.budget.shifting -= mass * g * s;
-            }
-        }
-        self.stage.phases.add(Phase::Shifting, &mut clock);
         Ok(())
     }
 }

@@ -12,7 +12,7 @@ use fieldstone::particles::{Domain, Particles};
 /// Where the cells come from.
 #[derive(Debug, Args)]
 pub(crate) struct CellsArguments {
-    /// Mesh: an OpenFOAM case or polyMesh folder, Gmsh .msh (2.2, 4.1), VTK .vtu or .vtk
+    /// Mesh: an OpenFOAM case or polyMesh folder, Gmsh .msh (2.0 to 2.2, 4.1), VTK .vtu or .vtk
     #[arg(long, value_name = "MESH", conflicts_with_all = ["grid", "cells"], required_unless_present = "grid")]
     pub mesh: Option<PathBuf>,
     /// Cartesian grid instead of a mesh: bounds in the particles' unit of length, e.g. -0.05,0.05,-0.05,0.05,0,0.1

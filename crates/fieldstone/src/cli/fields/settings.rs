@@ -245,7 +245,7 @@ pub(crate) struct Settings {
     pub conserve: Option<bool>,
     /// standard (MercuryCG's 29 columns), binning, all, or names separated by commas [default: standard]
     ///
-    /// The default and all leave out what needs contacts where there are none, and all what needs spins. The book's chapter on coarse graining has all names with
+    /// The default and all leave out what needs contacts where there are none, and all what needs spins. docs/coarse-graining.md has all names with
     /// their formulas.
     #[arg(long, value_name = "LIST")]
     pub fields: Option<String>,

@@ -112,6 +112,16 @@ impl DamBreak {
         if let (None, Some(part)) = (&self.measurements, self.only.iter().find(|p| p.experiment().is_some())) {
             bail!("--only {}: give the folder with the measurements, --measurements", name(*part));
         }
+        // Before any flow is computed, which takes minutes.
+        if let Some(measurements) = &self.measurements {
+            let wanted = self.only.iter().filter_map(|part| part.experiment()).flat_map(Experiment::files);
+            if let Some(missing) = wanted.map(|file| measurements.join(file)).find(|path| !path.is_file()) {
+                bail!(
+                    "--measurements: there is no file {}; leave its part out of --only, or get it",
+                    missing.display()
+                );
+            }
+        }
         let sections = self.folder.join("sections");
         make_folder(&sections)?;
         let flows = Flows {

@@ -25,6 +25,22 @@ pub(super) enum Experiment {
 }
 
 impl Experiment {
+    /// Files with its measurements.
+    pub fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Column => &[
+                "koshizuka_oka_1996_front.txt",
+                "pysph_ko_data.txt",
+                "pysph_mm_data_1.txt",
+                "pysph_mm_data_2.txt",
+                "martin_moyce_1952_tables_2_6.txt",
+            ],
+            Self::Buchner => &["buchner2002_pressure.txt"],
+            Self::Spheric2 => &["spheric_test2_kleefsman.dat.gz"],
+            Self::TallStructure => &["pysph_yeh_and_petroff_force_data.txt", "pysph_yeh_and_petroff_v_data.txt"],
+        }
+    }
+
     /// Its section of the page, with measurements from the folder `data`.
     pub fn section(self, flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
         match self {

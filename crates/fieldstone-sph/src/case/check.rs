@@ -1,0 +1,121 @@
+//! Whether the sections of a case make sense, before anything is made of them.
+
+use super::keys::vector;
+use super::{Case, WallKind};
+use crate::{SphError, gauge_columns};
+
+/// Most particles of a case: their numbers have 32 bits, and their positions alone take 6 GB.
+const MOST_PARTICLES: f64 = (1u64 << 28) as f64;
+
+impl Case {
+    /// Checks what one section says, and what sections say of each other.
+    pub(super) fn check(&self) -> Result<(), SphError> {
+        let s = &self.sections;
+        if !matches!(s.dimension, 2 | 3) {
+            return Err(self.fault("", 0, "dimension", format!("the dimension is {}; it must be 2 or 3", s.dimension)));
+        }
+        if !(s.spacing > 0.0 && s.spacing.is_finite()) {
+            let message = format!("the spacing is {}; it must be finite and above 0", s.spacing);
+            return Err(self.fault("", 0, "spacing", message));
+        }
+        let positive = |section: &str, key: &str, value: f64| {
+            if value > 0.0 && value.is_finite() {
+                return Ok(());
+            }
+            Err(self.fault(section, 0, key, format!("{key} is {value}; it must be finite and above 0")))
+        };
+        positive("time", "end", s.time.end)?;
+        positive("output", "every", s.output.every.unwrap_or(1.0))?;
+        positive("output", "gauges_every", s.output.gauges_every.unwrap_or(1.0))?;
+        positive("output", "checkpoint_every", s.output.checkpoint_every)?;
+        if s.fluid.viscosity.is_some() && s.fluid.alpha.is_some() {
+            return Err(self.fault("fluid", 0, "alpha", "both viscosity and alpha are given; give one of them"));
+        }
+        self.check_domain()?;
+        for (nth, fill) in s.fill.iter().enumerate() {
+            fill.check_flow(s.dimension).map_err(|(key, message)| self.fault("fill", nth, key, message))?;
+        }
+        for (section, nth, keys) in self.shapes() {
+            keys.check().map_err(|(key, message)| self.fault(section, nth, key, message))?;
+        }
+        for (nth, wall) in s.wall.iter().enumerate() {
+            let given = [wall.point.is_some(), wall.normal.is_some()];
+            if given != [wall.kind == WallKind::Plane; 2] {
+                let message = "a plane needs point and normal, a tank has neither";
+                return Err(self.fault("wall", nth, "kind", message));
+            }
+        }
+        for (nth, gauge) in s.gauge.iter().enumerate() {
+            gauge
+                .check(s.body.len(), &s.domain.low, &s.domain.high)
+                .map_err(|(key, message)| self.fault("gauge", nth, key, message))?;
+            let taken = gauge_columns(&s.gauge[..nth]);
+            let of_flow = gauge_columns(&[]).len();
+            let own = gauge_columns(std::slice::from_ref(gauge)).split_off(of_flow);
+            if gauge.name.contains([',', '"', '\n']) || own.iter().any(|name| taken.contains(name)) {
+                let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
+                return Err(self.fault("gauge", nth, "name", message));
+            }
+        }
+        self.check_size()?;
+        self.flow()?;
+        // The lattice of the start would be torn where it meets its own image.
+        for &axis in &s.domain.periodic {
+            let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
+            let layers = length / s.spacing;
+            if (layers - layers.round()).abs() > 1e-6 * layers {
+                let message = format!(
+                    "the periodic length {length} is {layers:.3} spacings of {}; it must be a whole number of them, as {} is",
+                    s.spacing,
+                    layers.round() * s.spacing
+                );
+                return Err(self.fault("domain", 0, "high", message));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_domain(&self) -> Result<(), SphError> {
+        let s = &self.sections;
+        let (low, high) = (&s.domain.low, &s.domain.high);
+        for (key, corner) in [("low", low), ("high", high)] {
+            vector(key, corner, s.dimension).map_err(|(key, message)| self.fault("domain", 0, key, message))?;
+        }
+        if low.iter().zip(high).any(|(low, high)| low >= high) {
+            let message = format!("high is {high:?}; it must be above low, {low:?}, along every axis");
+            return Err(self.fault("domain", 0, "high", message));
+        }
+        for (nth, &axis) in s.domain.periodic.iter().enumerate() {
+            let name = ["x", "y", "z"][axis as usize];
+            let message = if axis as usize >= s.dimension {
+                format!("there is no {name} in two dimensions; give x or y")
+            } else if s.domain.periodic[..nth].contains(&axis) {
+                format!("{name} is listed twice; list it once")
+            } else if s.domain.open.iter().any(|face| face.starts_with(name)) {
+                format!("{name} is periodic and has an open face; what leaves comes in again or is removed, not both")
+            } else {
+                continue;
+            };
+            return Err(self.fault("domain", 0, "periodic", message));
+        }
+        Ok(())
+    }
+
+    /// Before any lattice is made: a spacing in the wrong unit would take all memory.
+    fn check_size(&self) -> Result<(), SphError> {
+        let s = &self.sections;
+        let mut particles = 0.0;
+        for (section, nth, keys) in self.shapes() {
+            let (low, high) = self.shape(section, nth, &keys)?.bounds();
+            particles += (0..s.dimension).map(|k| ((high[k] - low[k]) / s.spacing).max(1.0)).product::<f64>();
+        }
+        if particles <= MOST_PARTICLES {
+            return Ok(());
+        }
+        let message = format!(
+            "a spacing of {} makes about {particles:.1e} particles, at most {MOST_PARTICLES:.1e} are possible; enlarge it",
+            s.spacing
+        );
+        Err(self.fault("", 0, "spacing", message))
+    }
+}
