@@ -36,13 +36,12 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Everything up to `depth` behind the nearest particle, in the tank's full length.
+    /// Everything up to `depth` behind the tank's near face, in its full length.
     pub fn whole(solver: &Solver, depth: f64) -> Self {
         let (state, flow) = (solver.state(), solver.flow());
-        let nearest = state.x.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
         let top = state.x.iter().map(|p| p[2]).fold(0.0, f64::max) + 2.0 * flow.fluid.spacing;
         let [low, high] = [flow.boundaries.low, flow.boundaries.high];
-        Self { x: [low[0], high[0]], z: [low[2], top], y: [nearest, nearest + depth] }
+        Self { x: [low[0], high[0]], z: [low[2], top], y: [low[1], low[1] + depth] }
     }
 
     /// The layer of particles whose plane is nearest to the middle of the tank, between two ends along x.

@@ -172,7 +172,7 @@ fn draw(
     let mut panels: Vec<Panel<'_>> =
         NAMES.iter().zip(others).map(|(name, labels)| Panel { title: format!("{name}, {time} s"), labels }).collect();
     panels.push(Panel { title: format!("exact, {time} s"), labels: reference });
-    // The nearest layers of a flow that does not vary across; all of the others, the nearest ones last.
+    // The nearest layer of a flow that hardly varies across; all of the others, the nearest ones last.
     let depth = if table == Table::DamBreak { solver.flow().fluid.spacing } else { f64::INFINITY };
     picture::draw(path, solver, View::whole(solver, depth), 2, reference, &panels)
 }
