@@ -282,7 +282,7 @@ fn tables_that_are_none_are_named_with_file_and_line() {
     std::fs::write(&path, gate("\"table.csv\"", 0.1)).unwrap();
     let table = space.path().join("table.csv");
     let error = Case::read(&path).unwrap_err().to_string();
-    assert!(error.contains("table.csv:1: cannot be read: "), "{error}");
+    assert!(error.contains("case.toml:26: there is no file ") && error.contains("table.csv; give its path"), "{error}");
     for (text, expected) in [
         ("t x y\n0 0 0\n\n1 0 0\n1 1 0\n", "table.csv:5: time 1 follows 1; times must rise from row to row"),
         ("0,0,0\n1,nan,0\n", "table.csv:2: NaN was found; time and displacement must be finite"),

@@ -206,8 +206,8 @@ fn what_bounds_no_solid_or_too_thin_a_one_is_refused_with_file_and_line() {
         ("shape = \"stl\"\nfile = \"slanted.stl\"", 32, "plate or a sharp wedge 0.070711 thick at"),
         ("shape = \"stl\"", 32, "this shape needs file"),
         ("shape = \"stl\"\nfile = \"plate.stl\"\nscale = -1.0", 34, "scale is -1; it must be finite and above 0"),
-        ("shape = \"stl\"\nfile = \"plate.stl\"\noffset = [1]", 34, "offset is [1.0]; give 2 or 3 finite numbers"),
-        ("shape = \"box\"\nfile = \"plate.stl\"", 33, "file belongs to shape = \"stl\""),
+        ("shape = \"stl\"\nfile = \"plate.stl\"\noffset = [1]", 34, "offset is [1.0]; give 3 finite numbers"),
+        ("shape = \"box\"\nfile = \"plate.stl\"", 33, "file does not go with shape = \"box\", which takes low, high"),
         ("shape = \"box\"\nmass = 3", 33, "unknown field `mass`, expected one of"),
         ("shape = \"box\"\nmass = 3", 33, "floating bodies are out of scope"),
     ] {
