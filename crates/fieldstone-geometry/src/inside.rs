@@ -291,7 +291,8 @@ fn volumes_of<L: Lanes, const N: usize>(
     let volume = L::select(sums.apart, zero, volume);
     let near = radius.like(NEAR_ROUNDING * frames.flatness) / sums.nearest2.sqrt() + radius.like(8.0);
     let sensitivity = (radius.like(4.0) * reach).mul_add(sums.sensitivity, near);
-    let error = radius.like(f64::EPSILON).mul_add(sensitivity, sums.warped_area) * r3;
+    // Twice: of six million pairs one came to within 0.3 % of the bound.
+    let error = radius.like(2.0 * f64::EPSILON).mul_add(sensitivity, sums.warped_area) * r3;
     let error = L::select(sums.apart, zero, error);
     let doubtful = sums.nearest2.less(radius.like(NEAR * NEAR)) & !sums.apart;
     let error = L::select(doubtful, radius.like(f64::INFINITY), error);

@@ -42,7 +42,7 @@ struct Sums {
 /// whose planes cut the ball: also one of which nothing is inside has a solid angle with an error of its distance.
 ///
 /// Volumes from the edges inside the ball add $8 \varepsilon \kappa / \delta$, with the largest flatness κ of a face, and δ the distance,
-/// in radii, of a corner from the centre's foot on a face.
+/// in radii, of a corner from the centre's foot on a face; then twice what ε multiplies.
 ///
 /// The constants are not derived operation by operation: they were set at some seven times the largest error seen
 /// against 256 bits over millions of random and adversarial pairs, which the tests repeat.
