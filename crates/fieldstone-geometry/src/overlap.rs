@@ -44,8 +44,8 @@ struct Sums {
 /// Volumes from the edges inside the ball add $8 \varepsilon \kappa / \delta$, with the largest flatness κ of a face, and δ the distance,
 /// in radii, of a corner from the centre's foot on a face; then twice what ε multiplies.
 ///
-/// The constants are not derived operation by operation: they were set at some seven times the largest error seen
-/// against 256 bits over millions of random and adversarial pairs, which the tests repeat.
+/// The constants are not derived operation by operation: they are twice the largest error, or more, seen against 256 bits
+/// over six million random and adversarial pairs, which the tests repeat.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorBound {
     reach: f64,
