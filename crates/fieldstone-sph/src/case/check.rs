@@ -1,6 +1,6 @@
 //! Whether the sections of a case make sense, before anything is made of them.
 
-use super::keys::vector;
+use super::keys::{positive, vector};
 use super::{Case, WallKind};
 use crate::{SphError, gauge_columns};
 
@@ -18,16 +18,14 @@ impl Case {
             let message = format!("the spacing is {}; it must be finite and above 0", s.spacing);
             return Err(self.fault("", 0, "spacing", message));
         }
-        let positive = |section: &str, key: &str, value: f64| {
-            if value > 0.0 && value.is_finite() {
-                return Ok(());
-            }
-            Err(self.fault(section, 0, key, format!("{key} is {value}; it must be finite and above 0")))
-        };
-        positive("time", "end", s.time.end)?;
-        positive("output", "every", s.output.every.unwrap_or(1.0))?;
-        positive("output", "gauges_every", s.output.gauges_every.unwrap_or(1.0))?;
-        positive("output", "checkpoint_every", s.output.checkpoint_every)?;
+        for (section, key, value) in [
+            ("time", "end", s.time.end),
+            ("output", "every", s.output.every.unwrap_or(1.0)),
+            ("output", "gauges_every", s.output.gauges_every.unwrap_or(1.0)),
+            ("output", "checkpoint_every", s.output.checkpoint_every),
+        ] {
+            positive(section, key, Some(value)).map_err(|(key, message)| self.fault(section, 0, key, message))?;
+        }
         if s.fluid.viscosity.is_some() && s.fluid.alpha.is_some() {
             return Err(self.fault("fluid", 0, "alpha", "both viscosity and alpha are given; give one of them"));
         }

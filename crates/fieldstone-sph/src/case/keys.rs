@@ -1,4 +1,4 @@
-//! Which keys go with which kind of shape, flow, wall and gauge.
+//! What is asked of the keys of a section: that they go with its kind, and numbers in their range.
 
 use super::sections::Fault;
 
@@ -6,9 +6,6 @@ use super::sections::Fault;
 pub(super) fn only(kind: &str, takes: &[&str], keys: &[(&'static str, bool)]) -> Result<(), Fault> {
     match keys.iter().find(|(key, given)| *given && !takes.contains(key)) {
         None => Ok(()),
-        Some((key, _)) if takes.is_empty() => {
-            Err((key, format!("{key} does not go with {kind}, which takes no such key")))
-        }
         Some((key, _)) => Err((key, format!("{key} does not go with {kind}, which takes {}", takes.join(", ")))),
     }
 }
@@ -21,7 +18,7 @@ pub(super) fn vector(key: &'static str, given: &[f64], dimension: usize) -> Resu
     Ok(std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0)))
 }
 
-/// A number above 0 that `owner`, a shape or flow, needs.
+/// A number above 0 that `owner` needs: a shape, a flow, or the section itself.
 pub(super) fn positive(owner: &'static str, key: &'static str, given: Option<f64>) -> Result<f64, Fault> {
     match given {
         Some(x) if x > 0.0 && x.is_finite() => Ok(x),
