@@ -5,11 +5,13 @@
 //! | `cargo run --release -p fieldstone-bench --bin pairs` | nanoseconds per partially overlapping pair, kernel against decomposition |
 //! | `cargo run --release -p fieldstone-bench --bin jobs` | whole jobs: balls in meshes, 1 and 2 threads |
 //! | `cargo run --release -p fieldstone-bench --bin fields` | coarse graining: the 29 standard fields on grids |
+//! | `cargo run --release -p fieldstone-bench --bin flow` | fluid-particle-steps per second of a dam break, 1 and 2 threads |
 //! | `cargo bench -p fieldstone-bench` | the same operations under criterion, to compare two versions of the code |
 //!
-//! Times on a shared machine wander by tens of percent, so the two binaries take turns between the rivals and
+//! Times on a shared machine wander by tens of percent, so the binaries take turns between the rivals and
 //! report the median over the turns of the *ratio*, which wanders far less.
 
+mod arithmetic;
 mod clock;
 mod interleaved;
 mod jobs;
@@ -17,6 +19,7 @@ mod packing;
 mod pairs;
 mod random;
 
+pub use arithmetic::arithmetic_seconds;
 pub use clock::{process_seconds, thread_seconds};
 pub use interleaved::{median, take_turns};
 pub use jobs::{box_of_hexahedra, random_balls};
