@@ -68,7 +68,7 @@ impl Boundaries {
     /// Checks the domain, and that no two boundaries are closer than `reach`.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::ThinBody`].
+    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::SameSide`], [`SphError::ThinBody`].
     pub fn validate(&self, fluid: &FluidOptions, reach: f64) -> Result<(), SphError> {
         for axis in 0..fluid.dimension {
             let length = self.high[axis] - self.low[axis];
@@ -79,12 +79,20 @@ impl Boundaries {
             }
         }
         for (a, first) in self.walls.iter().enumerate() {
+            for axis in (0..fluid.dimension).filter(|&k| self.periodic[k]) {
+                // Its images by a period would be other walls.
+                let part = first.plane.normal()[axis];
+                check("a wall's normal along a periodic axis", part, part.abs() < 1e-9, "0: such walls do not repeat")?;
+            }
             for (b, second) in self.walls.iter().enumerate().skip(a + 1) {
                 let (n, m) = (first.plane.normal(), second.plane.normal());
                 let cosine: f64 = (0..3).map(|k| n[k] * m[k]).sum();
                 let distance = -first.plane.offset() - second.plane.offset();
                 if cosine < -1.0 + 1e-9 && distance < reach {
                     return Err(SphError::TooNarrow { what: format!("walls {a} and {b}"), distance, reach });
+                }
+                if cosine > 1.0 - 1e-9 {
+                    return Err(SphError::SameSide { first: a, second: b });
                 }
                 let square = cosine.abs() < 1e-9 || cosine.abs() > 1.0 - 1e-9;
                 // Mirror images close up around an edge for right angles only.

@@ -50,6 +50,16 @@ pub enum SphError {
         /// Reach of the kernel, with the margin of the neighbour list.
         reach: f64,
     },
+    /// Two mirror walls bound the fluid on the same side: each would mirror what the other has mirrored.
+    #[error(
+        "walls {first} and {second} face the same way; one mirror wall may bound the fluid on a side: list the planes one by one instead of a tank and a plane"
+    )]
+    SameSide {
+        /// Index of a wall, from 0; a tank counts as one for each of its sides.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+    },
     /// A body is too thin for its ghost particles: fluid on one side would feel fluid on the other.
     #[error(
         "body {body} is {thickness:.6} thick along {axis}; it must be at least 4 spacings, {needed:.6}, or the fluid on one side feels the other"

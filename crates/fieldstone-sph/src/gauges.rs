@@ -1,4 +1,4 @@
-use crate::{GaugeKind, GaugeSection, Solver, SphError};
+use crate::{Boundaries, GaugeKind, GaugeSection, Solver, SphError};
 
 /// Names of the columns of a run's table: the flow as a whole, then the gauges.
 ///
@@ -101,12 +101,14 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
 /// gravity; 0 where the kernel's volume is less than a tenth full.
 ///
 /// $$ p(x) = \frac{\sum_j [p_j + \rho_0\,g\cdot(x - x_j)]\,W(x - x_j)\,V_j}{\sum_j W(x - x_j)\,V_j} $$
+///
+/// Along periodic directions x − x_j is that to the nearest image.
 pub fn pressure_at(solver: &Solver, at: [f64; 3]) -> f64 {
     let fluid = &solver.flow().fluid;
     let (kernel, state) = (fluid.kernel(), solver.state());
     let (mut weight, mut sum) = (0.0, 0.0);
     for (x, density) in state.x.iter().zip(&state.density) {
-        let d: [f64; 3] = std::array::from_fn(|k| if k < fluid.dimension { at[k] - x[k] } else { 0.0 });
+        let d = to_nearest_image(solver, *x, at);
         let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         if squared < kernel.reach() * kernel.reach() {
             let w = kernel.value(squared.sqrt()) * fluid.particle_mass() / density;
@@ -118,12 +120,27 @@ pub fn pressure_at(solver: &Solver, at: [f64; 3]) -> f64 {
     if weight > 0.1 { sum / weight } else { 0.0 }
 }
 
+/// to − from, of the nearest image where the domain is periodic; 0 along what two dimensions do not have.
+fn to_nearest_image(solver: &Solver, from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    let Boundaries { low, high, periodic, .. } = &solver.flow().boundaries;
+    std::array::from_fn(|k| {
+        let d = to[k] - from[k];
+        if k >= solver.flow().fluid.dimension {
+            0.0
+        } else if periodic[k] {
+            d - (high[k] - low[k]) * (d / (high[k] - low[k])).round()
+        } else {
+            d
+        }
+    })
+}
+
 /// Height of the highest particle within a spacing of the vertical through `at`, and half a spacing; the domain's
 /// floor where there is none.
 pub fn level_over(solver: &Solver, at: [f64; 3]) -> f64 {
     let fluid = &solver.flow().fluid;
     let up = fluid.dimension - 1;
-    let near = |x: &&[f64; 3]| (0..up).all(|k| (x[k] - at[k]).abs() <= fluid.spacing);
+    let near = |x: &&[f64; 3]| to_nearest_image(solver, **x, at)[..up].iter().all(|d| d.abs() <= fluid.spacing);
     let highest = solver.state().x.iter().filter(near).map(|x| x[up]).fold(f64::NEG_INFINITY, f64::max);
     if highest.is_finite() { highest + 0.5 * fluid.spacing } else { solver.flow().boundaries.low[up] }
 }
@@ -136,7 +153,7 @@ pub fn front(solver: &Solver, axis: usize) -> f64 {
     order.sort_unstable_by(|&a, &b| x[b][axis].total_cmp(&x[a][axis]).then(a.cmp(&b)));
     let reach = 1.5 * fluid.spacing;
     for (rank, &i) in order.iter().enumerate() {
-        let close = |j: usize| (0..3).map(|k| (x[i][k] - x[j][k]).powi(2)).sum::<f64>() <= reach * reach;
+        let close = |j: usize| to_nearest_image(solver, x[j], x[i]).iter().map(|d| d * d).sum::<f64>() <= reach * reach;
         let ahead = order[..rank].iter().rev().take_while(|&&j| x[j][axis] - x[i][axis] <= reach);
         let behind = order[rank + 1..].iter().take_while(|&&j| x[i][axis] - x[j][axis] <= reach);
         if ahead.chain(behind).any(|&j| close(j)) {

@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use fieldstone_io::vtk::{VtkEncoding, read_pvd, write_pvd, write_vtp_particles};
 use fieldstone_io::{AtomicFile, IoError};
@@ -89,16 +89,16 @@ pub fn run(
     let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
     let mut last_checkpoint = Instant::now();
     loop {
-        if let Some(frame) = frames.due(&solver) {
-            series.write(frame, &solver)?;
+        if frames.due(&solver) {
+            series.write(&solver)?;
         }
-        if rows.due(&solver).is_some() {
+        if rows.due(&solver) {
             let row = gauge_row(&mut solver, &case.sections.gauge)?;
             gauges.row(&row)?;
         }
         let finished = solver.time() >= end;
         let stop = interrupt.load(Ordering::Relaxed);
-        if finished || stop || last_checkpoint.elapsed() >= Duration::from_secs_f64(output.checkpoint_every) {
+        if finished || stop || last_checkpoint.elapsed().as_secs_f64() >= output.checkpoint_every {
             gauges.flush()?;
             solver.write_checkpoint(&folder.checkpoint())?;
             last_checkpoint = Instant::now();
@@ -168,13 +168,14 @@ impl Schedule {
         schedule
     }
 
-    /// Number of what is due now, if anything.
-    fn due(&mut self, solver: &Solver) -> Option<u64> {
+    /// Whether it is due now.
+    fn due(&mut self, solver: &Solver) -> bool {
         let passed = (solver.time() / self.period).floor() as u64;
-        (passed >= self.next).then(|| {
-            self.next = passed + 1;
-            passed
-        })
+        let due = passed >= self.next;
+        if due {
+            self.next = passed.saturating_add(1);
+        }
+        due
     }
 }
 
@@ -199,7 +200,11 @@ impl Series {
         Ok(Self { folder: folder.0.clone(), path: folder.series(), steps })
     }
 
-    fn write(&mut self, frame: u64, solver: &Solver) -> Result<(), SphError> {
+    /// Writes the next file. Numbers go on from those kept, whatever the period was: none is written over.
+    fn write(&mut self, solver: &Solver) -> Result<(), SphError> {
+        let number =
+            |(_, file): &(f64, PathBuf)| file.file_stem()?.to_str()?.strip_prefix("particles_")?.parse::<usize>().ok();
+        let frame = self.steps.iter().filter_map(number).max().map_or(0, |last| last + 1);
         let name = PathBuf::from(format!("particles_{frame:05}.vtp"));
         write_vtp_particles(&self.folder.join(&name), &particles_of(solver)?, VtkEncoding::default())?;
         self.steps.push((solver.time(), name));
@@ -217,10 +222,21 @@ struct Table {
 
 impl Table {
     fn open(path: &Path, columns: &[String], until: Option<f64>) -> Result<Self, SphError> {
-        let mut kept = columns.join(",") + "\n";
+        let head = columns.join(",");
+        let mut kept = head.clone() + "\n";
         if let Some(time) = until
-            && let Ok(old) = std::fs::read_to_string(path)
+            && path.exists()
         {
+            let fault = |message: String| SphError::Checkpoint { file: path.display().to_string(), message };
+            let old = std::fs::read_to_string(path)
+                .map_err(|e| fault(format!("cannot be read: {e}; move it away to begin another")))?;
+            if old.lines().next() != Some(&head) {
+                return Err(fault(
+                    "its columns are not those of the case's gauges: go on with the gauges that it was begun with, or \
+                     move it away to begin another"
+                        .into(),
+                ));
+            }
             let in_time =
                 |row: &&str| row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time);
             for row in old.lines().skip(1).filter(in_time) {

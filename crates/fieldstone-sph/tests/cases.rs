@@ -1,11 +1,7 @@
 //! Case files: what ships starts as it should, and what is wrong is named with its line.
 #![allow(clippy::unwrap_used)]
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use fieldstone_io::CsvTable;
-use fieldstone_io::vtk::{read_pvd, read_vtk_particles};
-use fieldstone_sph::{Case, Outcome, RunFolder, SHIPPED, Solver, SphError, run};
+use fieldstone_sph::{Case, SHIPPED, Solver};
 
 fn shipped(name: &str) -> Case {
     let case = SHIPPED.iter().find(|c| c.name == name).unwrap();
@@ -124,12 +120,79 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
         ),
         ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"time\"\nkind = \"front\"", "the name 'time' is taken"),
         ("end = 10.0", "end = 10.0\n[shifting]\ncap = 7", "c.toml:21: the largest shift over the spacing is 7"),
+        (
+            "kind = \"tank\"",
+            "kind = \"tank\"\n[[wall]]\nkind = \"plane\"\npoint = [0, 0]\nnormal = [0, 1]\nslip = \"no\"",
+            "c.toml:30: walls 2 and 3 face the same way; one mirror wall may bound the fluid on a side",
+        ),
+        (
+            "[[wall]]\nkind = \"tank\"",
+            "[[wall]]\nkind = \"plane\"\npoint = [0, 0.55]\nnormal = [0, 1]",
+            "c.toml:22: nothing is filled: the shapes are smaller than the spacing, or all in bodies or behind walls",
+        ),
+        (
+            "open = [\"y+\"]\n",
+            "open = [\"y+\"]\nperiodic = [\"x\"]\n[[wall]]\nkind = \"plane\"\npoint = [0, 0]\nnormal = [0.6, 0.8]\n",
+            "a wall's normal along a periodic axis is 0.6; it must be 0: such walls do not repeat",
+        ),
+        (
+            "pressure = \"hydrostatic\"",
+            "pressure = 2e5",
+            "c.toml:25: the fill begins with a pressure of 200000.000000, for which the speed of sound, 44.3, must be at least \
+             141.421356 (Eq. 3); raise expected_pressure",
+        ),
+        ("pressure = \"hydrostatic\"", "pressure = -1e7", "c.toml:25: the fill begins with a pressure of -10000000"),
+        (
+            "pressure = \"hydrostatic\"",
+            "velocity = [0, 6]",
+            "c.toml:25: the fill begins with a speed of 6.000000, for which the speed of sound, 44.3, must be at least 60.000000",
+        ),
+        (
+            "end = 10.0",
+            "end = 10.0\n[[body]]\nshape = \"box\"\nlow = [0.4, 0.6]\nhigh = [0.6, 0.8]\n\
+             motion = [[0, 0, 0], [0.001, 0, 0], [0.02, 0.2, 0], [0.03, 0.2, 0]]",
+            "c.toml:24: the body moves as fast as 15.78",
+        ),
     ] {
         assert!(good.contains(from));
         let text = good.replacen(from, to, 1);
-        let error = Case::parse(&text, "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
+        let Err(error) = Case::parse(&text, "c.toml").and_then(|c| c.state()) else { panic!("accepted: {to}") };
+        let error = error.to_string();
         assert!(error.contains(expected) && error.starts_with("c.toml:"), "{error}\ninstead of {expected}");
     }
+}
+
+#[test]
+fn what_lies_behind_a_wall_is_not_filled() {
+    // A beach at 45 degrees cuts the corner off a square of 20 × 20: 20 · 21/2 particles stay, those on the diagonal too.
+    let text = "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [2, 2]\nopen = [\"y+\"]\n[fluid]\ndensity = 1000\n\
+                expected_speed = 5\nexpected_pressure = 20000\ngravity = [0, -9.81]\n[time]\nend = 1\n[[fill]]\nshape = \"box\"\n\
+                low = [0, 0]\nhigh = [1, 1]\n[[wall]]\nkind = \"plane\"\npoint = [0.99, 0]\nnormal = [1, 1]\n";
+    let state = Case::parse(text, "beach.toml").unwrap().state().unwrap();
+    assert_eq!(state.len(), 20 * 21 / 2);
+    assert!(state.x.iter().all(|x| x[0] + x[1] >= 0.99));
+}
+
+#[test]
+fn the_sections_written_as_toml_are_the_case() {
+    for shipped in SHIPPED {
+        let mut case = shipped.at_spacing(None).unwrap();
+        case.sections.time.end *= 1.5;
+        case.sections.time.cfl = 0.125;
+        let again = Case::parse(&case.to_toml(), shipped.name).unwrap();
+        assert_eq!(again.sections, case.sections, "{}", shipped.name);
+        assert_eq!(again.flow().unwrap().time_step.cfl, 0.125);
+    }
+}
+
+#[test]
+fn the_spacing_is_changed_wherever_its_line_stands() {
+    let text = shipped("hydrostatic").text().replace("spacing = 0.025", "  spacing=0.025 # fine");
+    let case = Case::parse(&text, "c.toml").unwrap().with_spacing(0.05).unwrap();
+    assert_eq!(case.state().unwrap().len(), 20 * 10);
+    let quoted = shipped("hydrostatic").text().replace("spacing = 0.025", "\"spacing\" = 0.025");
+    let error = Case::parse(&quoted, "c.toml").unwrap().with_spacing(0.05).unwrap_err().to_string();
+    assert!(error.contains("give it as a line `spacing = …`"), "{error}");
 }
 
 #[test]
@@ -139,108 +202,4 @@ fn a_body_that_is_too_thin_and_a_slab_that_is_too_narrow_are_refused() {
     assert!(error.contains("thick along x; it must be at least 4 spacings"), "{error}");
     let narrow = shipped("dam-break-slab").with_spacing(0.06).unwrap_err().to_string();
     assert!(narrow.contains("the periodic faces along y are 0.18"), "{narrow}");
-}
-
-/// A dam break of half a second of computing, with outputs as given.
-fn small(every: f64, end: f64) -> Case {
-    let text = shipped("column-1-2").text().replace("spacing = 0.004", "spacing = 0.0146");
-    let text =
-        text.replace("every = 0.02\n", &format!("every = {every}\n")).replace("end = 0.5", &format!("end = {end}"));
-    Case::parse(&text, "small.toml").unwrap()
-}
-
-fn final_checkpoint(folder: &RunFolder) -> Vec<u8> {
-    std::fs::read(folder.checkpoint()).unwrap()
-}
-
-#[test]
-fn an_interrupted_and_resumed_run_ends_with_the_same_bits_also_with_other_outputs() {
-    let space = tempfile::tempdir().unwrap();
-    let folder = |name: &str| RunFolder::create(&space.path().join(name)).unwrap();
-    let never = AtomicBool::new(false);
-    let whole = folder("whole");
-    assert_eq!(run(&small(0.02, 0.3), &whole, false, &never, |_| ()).unwrap(), Outcome::Finished);
-    // Stopped where lists are of any age, and more than once.
-    let parts = folder("parts");
-    let mut resume = false;
-    for (steps, every) in [(7, 0.02), (23, 0.01), (40, 0.02)] {
-        let stop = AtomicBool::new(false);
-        let mut made = 0;
-        let outcome = run(&small(every, 0.3), &parts, resume, &stop, |_| {
-            made += 1;
-            stop.store(made >= steps, Ordering::Relaxed);
-        });
-        assert_eq!(outcome.unwrap(), Outcome::Interrupted);
-        resume = true;
-    }
-    assert_eq!(run(&small(0.02, 0.3), &parts, true, &never, |_| ()).unwrap(), Outcome::Finished);
-    assert!(final_checkpoint(&whole) == final_checkpoint(&parts));
-    // The table has no row twice and none is missing.
-    let times = |folder: &RunFolder| CsvTable::read(&folder.gauges()).unwrap().column("time").unwrap();
-    assert_eq!(times(&whole), times(&parts));
-}
-
-#[test]
-fn the_series_holds_every_particle_and_a_resumed_run_can_go_on_to_a_later_end() {
-    let space = tempfile::tempdir().unwrap();
-    let folder = RunFolder::create(space.path()).unwrap();
-    let never = AtomicBool::new(false);
-    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
-    run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap();
-    let series = read_pvd(&folder.series()).unwrap();
-    assert_eq!(series.len(), 6);
-    assert!(series.iter().enumerate().all(|(n, (t, _))| *t >= 0.02 * n as f64 - 1e-12 && *t < 0.02 * n as f64 + 0.002));
-    for (_, file) in &series {
-        let particles = read_vtk_particles(&space.path().join(file.file_name().unwrap())).unwrap();
-        assert_eq!(particles.len(), 200);
-        assert!(particles.ids().unwrap().iter().enumerate().all(|(n, &id)| id == n as i64));
-        assert_eq!(particles.quantity("velocity").unwrap().components, 3);
-    }
-    let table = CsvTable::read(&folder.gauges()).unwrap();
-    let front = table.column("front").unwrap();
-    assert!((front[0] - 0.146).abs() < 1e-12 && front.windows(2).all(|w| w[1] > w[0] - 1e-9));
-    assert!(front[front.len() - 1] > 0.16);
-}
-
-#[test]
-fn damaged_and_foreign_checkpoints_are_refused() {
-    let space = tempfile::tempdir().unwrap();
-    let path = space.path().join("checkpoint.bin");
-    let case = small(0.02, 0.1);
-    let mut solver = case.solver().unwrap();
-    solver.step().unwrap();
-    solver.write_checkpoint(&path).unwrap();
-    let good = std::fs::read(&path).unwrap();
-    assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_ok());
-    let mut other = case.flow().unwrap();
-    other.fluid.delta = 0.2;
-    let message = Solver::read_checkpoint(&path, other).unwrap_err().to_string();
-    assert!(message.contains("belongs to another flow"), "{message}");
-    for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
-        let mut bad = good.clone();
-        bad[at] ^= 4;
-        std::fs::write(&path, &bad).unwrap();
-        assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_err(), "byte {at}");
-    }
-    std::fs::write(&path, &good[..good.len() - 8]).unwrap();
-    assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_err());
-}
-
-#[test]
-fn a_run_that_breaks_names_the_particle_and_keeps_the_last_good_checkpoint() {
-    let space = tempfile::tempdir().unwrap();
-    let folder = RunFolder::create(space.path()).unwrap();
-    let never = AtomicBool::new(false);
-    run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
-    let good = final_checkpoint(&folder);
-    // Closed on the right, with no wall there: the fluid runs out of the domain.
-    let text =
-        small(0.02, 1.0).text().replace("kind = \"tank\"", "kind = \"plane\"\npoint = [0.0, 0.0]\nnormal = [0.0, 1.0]");
-    let text = text.replace("high = [0.584, 0.6]", "high = [0.2, 0.6]");
-    let case = Case::parse(&text, "leak.toml").unwrap();
-    let error = run(&case, &folder, false, &never, |_| ()).unwrap_err();
-    assert!(matches!(error, SphError::Lost { .. }), "{error}");
-    assert!(error.to_string().contains("has left the domain at"), "{error}");
-    assert!(final_checkpoint(&folder) == good);
-    assert!(space.path().join("failure.vtp").exists());
 }

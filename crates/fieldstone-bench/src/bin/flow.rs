@@ -78,12 +78,7 @@ fn speed_up(solver: &mut Solver, one: &ThreadPool, all: &ThreadPool, steps: usiz
     };
     let [step_one, step_all, plain_one, plain_all] = take_turns(
         steps,
-        [
-            &mut || step(one),
-            &mut || step(all),
-            &mut || arithmetic_seconds(one),
-            &mut || arithmetic_seconds(all),
-        ],
+        [&mut || step(one), &mut || step(all), &mut || arithmetic_seconds(one), &mut || arithmetic_seconds(all)],
     );
     let ratio = |one: &[f64], all: &[f64]| median(one.iter().zip(all).map(|(a, b)| a / b));
     println!(

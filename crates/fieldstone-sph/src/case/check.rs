@@ -2,7 +2,7 @@
 
 use super::keys::{positive, vector};
 use super::{Case, WallKind};
-use crate::{SphError, gauge_columns};
+use crate::{Flow, FluidOptions, SphError, State, gauge_columns, sound_speed_bound};
 
 /// Most particles of a case: their numbers have 32 bits, and their positions alone take 6 GB.
 const MOST_PARTICLES: f64 = (1u64 << 28) as f64;
@@ -56,7 +56,7 @@ impl Case {
             }
         }
         self.check_size()?;
-        self.flow()?;
+        self.check_motions(&self.flow()?)?;
         // The lattice of the start would be torn where it meets its own image.
         for &axis in &s.domain.periodic {
             let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
@@ -95,6 +95,59 @@ impl Case {
                 continue;
             };
             return Err(self.fault("domain", 0, "periodic", message));
+        }
+        Ok(())
+    }
+
+    /// Eq. 3 for what the particles of a fill, from `first` on, begin with: more than was expected may be known by then.
+    pub(super) fn check_start(
+        &self,
+        nth: usize,
+        fluid: &FluidOptions,
+        state: &State,
+        first: usize,
+    ) -> Result<(), SphError> {
+        let pressures = state.density[first..].iter().map(|&density| fluid.pressure(density));
+        let (lowest, highest) =
+            pressures.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        let vacuum = -fluid.density * fluid.sound_speed * fluid.sound_speed;
+        if lowest <= vacuum {
+            let message = format!("the fill begins with a pressure of {lowest}; it must be above −ρ₀c₀² = {vacuum}");
+            return Err(self.fault("fill", nth, "pressure", message));
+        }
+        let square = |u: &[f64; 3]| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        let speed = state.u[first..].iter().map(square).fold(0.0, f64::max).sqrt();
+        let speed_key = if self.sections.fill[nth].velocity.is_some() { "velocity" } else { "flow" };
+        for (key, what, value, needed) in [
+            ("pressure", "a pressure", highest, sound_speed_bound(fluid.density, 0.0, highest)),
+            (speed_key, "a speed", speed, sound_speed_bound(fluid.density, speed, 0.0)),
+        ] {
+            if needed > fluid.sound_speed * (1.0 + 1e-9) {
+                let message = format!(
+                    "the fill begins with {what} of {value:.6}, for which the speed of sound, {}, must be at least {needed:.6} \
+                     (Eq. 3); raise expected_{}",
+                    fluid.sound_speed,
+                    if key == "pressure" { key } else { "speed" }
+                );
+                return Err(self.fault("fill", nth, key, message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Eq. 3 for the speeds in the tables of motion.
+    fn check_motions(&self, flow: &Flow) -> Result<(), SphError> {
+        for (nth, body) in flow.boundaries.bodies.iter().enumerate() {
+            let Some(motion) = &body.motion else { continue };
+            let (speed, _) = motion.largest(0.0, self.sections.time.end);
+            let (found, needed) = (flow.fluid.sound_speed, sound_speed_bound(flow.fluid.density, speed, 0.0));
+            if needed > found * (1.0 + 1e-9) {
+                let message = format!(
+                    "the body moves as fast as {speed:.6}, for which the speed of sound, {found}, must be at least {needed:.6} \
+                     (Eq. 3); raise expected_speed, or look at the table's units"
+                );
+                return Err(self.fault("body", nth, "motion", message));
+            }
         }
         Ok(())
     }

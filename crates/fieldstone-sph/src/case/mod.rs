@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use fieldstone_surface::{Method, Wall};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use motion::MotionSection;
 pub use sections::{
@@ -51,7 +51,7 @@ pub struct Case {
 }
 
 /// The tables of a case file.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sections {
     /// One line on what it is.
@@ -127,15 +127,36 @@ impl Case {
         &self.text
     }
 
+    /// The sections as they are now, as a case file: what was left out in the text stands there with its value.
+    ///
+    /// ```
+    /// # use fieldstone_sph::{Case, SHIPPED};
+    /// let mut case = SHIPPED[0].at_spacing(None)?;
+    /// case.sections.time.end = 0.25;
+    /// assert_eq!(Case::parse(&case.to_toml(), "case.toml")?.sections, case.sections);
+    /// # Ok::<(), fieldstone_sph::SphError>(())
+    /// ```
+    pub fn to_toml(&self) -> String {
+        // Names and numbers alone: nothing that TOML cannot say.
+        toml::to_string(&self.sections).unwrap_or_else(|_| self.text.clone())
+    }
+
     /// The same case at another spacing.
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
     pub fn with_spacing(&self, spacing: f64) -> Result<Self, SphError> {
-        let lines = self.text.lines().map(|line| {
-            if line.starts_with("spacing") { format!("spacing = {spacing}\n") } else { format!("{line}\n") }
-        });
-        Self::parse(&lines.collect::<String>(), &self.file)
+        let is_key =
+            |line: &str| line.trim_start().strip_prefix("spacing").is_some_and(|l| l.trim_start().starts_with('='));
+        let lines = self
+            .text
+            .lines()
+            .map(|line| if is_key(line) { format!("spacing = {spacing}\n") } else { format!("{line}\n") });
+        let case = Self::parse(&lines.collect::<String>(), &self.file)?;
+        if case.sections.spacing == spacing {
+            return Ok(case);
+        }
+        Err(self.fault("", 0, "spacing", "the spacing cannot be changed here; give it as a line `spacing = …`"))
     }
 
     fn fault(&self, section: &str, nth: usize, key: &str, message: impl Into<String>) -> SphError {
@@ -221,6 +242,7 @@ impl Case {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
             SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
             SphError::TooNarrow { .. } => ("domain", 0, "high"),
+            SphError::SameSide { second, .. } => ("wall", self.section_of_wall(*second), "kind"),
             SphError::Option { name, .. } => match *name {
                 "h/Δx" => ("fluid", 0, "smoothing"),
                 "the density" => ("fluid", 0, "density"),
@@ -238,6 +260,7 @@ impl Case {
                 "the largest time step" => ("time", 0, "largest"),
                 "an edge of the domain" => ("domain", 0, "high"),
                 "the cosine between two walls" => ("wall", 0, "kind"),
+                "a wall's normal along a periodic axis" => ("wall", 0, "normal"),
                 "k_CFL of the shifting" => ("shifting", 0, "k_cfl"),
                 "R of the shifting" => ("shifting", 0, "r"),
                 "n of the shifting" => ("shifting", 0, "n"),
@@ -249,6 +272,18 @@ impl Case {
             _ => return error,
         };
         self.fault(section, nth, key, error.to_string())
+    }
+
+    /// Number of the section that a mirror wall comes from.
+    fn section_of_wall(&self, wall: usize) -> usize {
+        let sides =
+            2 * (self.sections.dimension - self.sections.domain.periodic.len()) - self.sections.domain.open.len();
+        let counts = self.sections.wall.iter().map(|w| if w.kind == WallKind::Tank { sides } else { 1 });
+        let ends = counts.scan(0, |end, count| {
+            *end += count;
+            Some(*end)
+        });
+        ends.take_while(|&end| end <= wall).count()
     }
 
     fn boundaries(&self) -> Result<Boundaries, SphError> {
@@ -372,19 +407,49 @@ impl Case {
         Path::new(&self.file).parent().unwrap_or(Path::new("")).join(name)
     }
 
-    /// The particles at the start: each fill's lattice, without what lies in bodies.
+    /// The particles at the start: each fill's lattice, without what lies in bodies or behind walls.
     ///
     /// # Errors
-    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, or nothing is filled.
+    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, nothing is filled, or a fill begins with a pressure or speed
+    /// for which the fluid would be too compressible.
     pub fn state(&self) -> Result<State, SphError> {
+        Ok(self.filled()?.0)
+    }
+
+    /// By how much the fluid is heavier than what the fills' volumes hold at rest, relatively.
+    ///
+    /// All particles have the mass ρ₀ Δxᵈ. A box that is no whole number of spacings long is divided into the nearest whole number:
+    /// its particles then stand closer, or farther apart, than Δx.
+    ///
+    /// # Errors
+    /// As [`state`](Self::state).
+    ///
+    /// ```
+    /// # use fieldstone_sph::SHIPPED;
+    /// let spheric = SHIPPED.iter().find(|case| case.name == "spheric-2").expect("a shipped case");
+    /// // 1.228 m and 0.55 m are 30.7 and 13.75 spacings of 0.04 m, filled with 31 and 14.
+    /// let excess = spheric.at_spacing(Some(0.04))?.excess_mass()?;
+    /// assert!((excess - (31.0 / 30.7 * 14.0 / 13.75 - 1.0)).abs() < 1e-12);
+    /// # Ok::<(), fieldstone_sph::SphError>(())
+    /// ```
+    pub fn excess_mass(&self) -> Result<f64, SphError> {
+        let (state, volume) = self.filled()?;
+        let particle = self.sections.spacing.powi(self.sections.dimension as i32);
+        Ok(state.len() as f64 * particle / volume - 1.0)
+    }
+
+    /// The particles at the start, and the volume that their lattices fill.
+    fn filled(&self) -> Result<(State, f64), SphError> {
         let flow = self.flow()?;
         let s = &self.sections;
         let mut state = State::default();
+        let mut volume = 0.0;
         let mut shapes: Vec<Shape> = Vec::new();
         for (nth, fill) in s.fill.iter().enumerate() {
             let shape = self.shape("fill", nth, &fill.keys())?;
-            let (points, _) = shape.lattice(s.spacing, s.dimension);
+            let (points, cell) = shape.lattice(s.spacing, s.dimension);
             let bounds = shape.bounds();
+            let before = state.len();
             for x in points {
                 if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
                     continue;
@@ -392,6 +457,9 @@ impl Case {
                 if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {
                     let message = format!("the fill leaves the domain at {x:?}; enlarge one or shrink the other");
                     return Err(self.fault("fill", nth, "shape", message));
+                }
+                if flow.boundaries.walls.iter().any(|w| w.plane.distance(x) < 0.0) {
+                    continue;
                 }
                 if let Some(other) = shapes.iter().position(|s2| s2.contains(x, s.dimension)) {
                     let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
@@ -402,13 +470,17 @@ impl Case {
                 state.u.push(velocity);
                 state.density.push(flow.fluid.density_at(pressure));
             }
+            self.check_start(nth, &flow.fluid, &state, before)?;
+            volume += (state.len() - before) as f64 * cell;
             shapes.push(shape);
         }
         if state.x.is_empty() {
-            return Err(self.fault("fill", 0, "shape", "nothing is filled; the shapes are smaller than the spacing"));
+            let message = "nothing is filled: the shapes are smaller than the spacing, or all in bodies or behind walls; a \
+                           wall's normal points into the fluid";
+            return Err(self.fault("fill", 0, "shape", message));
         }
         state.id = (0..state.x.len() as u32).collect();
-        Ok(state)
+        Ok((state, volume))
     }
 
     /// A solver at time 0.

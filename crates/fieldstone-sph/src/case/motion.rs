@@ -1,11 +1,11 @@
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{Motion, SphError};
 
 /// `motion` of a `[[body]]`: a table in a file beside the case, or its rows.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     untagged,
     expecting = "motion is neither the name of a table's file nor rows of time and displacement, [[t, x, y], …]"

@@ -1,4 +1,4 @@
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::MotionSection;
 use super::keys::{finite, only, positive, vector};
@@ -7,7 +7,7 @@ use crate::{Shape, Slip};
 pub(super) type Fault = (&'static str, String);
 
 /// An axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisName {
     /// x.
@@ -19,7 +19,7 @@ pub enum AxisName {
 }
 
 /// `[domain]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DomainSection {
     /// Lower corner, 2 or 3 numbers.
@@ -35,7 +35,7 @@ pub struct DomainSection {
 }
 
 /// `[fluid]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluidSection {
     /// ρ₀.
@@ -76,7 +76,7 @@ fn smoothing() -> f64 {
 }
 
 /// The integrators by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseIntegrator {
     /// Predictor–corrector.
@@ -87,7 +87,7 @@ pub enum CaseIntegrator {
 }
 
 /// `[time]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSection {
     /// When the run ends.
@@ -117,7 +117,7 @@ fn viscous() -> f64 {
 }
 
 /// Shapes by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ShapeName {
     /// `low`, `high`.
@@ -237,7 +237,7 @@ impl ShapeKeys<'_> {
 }
 
 /// Initial pressure of a fill.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(untagged, expecting = "pressure is neither a number nor \"hydrostatic\" nor \"flow\"; give one of these")]
 pub enum Pressure {
     /// The same everywhere.
@@ -247,7 +247,7 @@ pub enum Pressure {
 }
 
 /// Initial pressures by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PressureName {
     /// ρ₀ |g| below the fill's top.
@@ -257,7 +257,7 @@ pub enum PressureName {
 }
 
 /// Initial velocities by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlowName {
     /// `velocity`, or rest.
@@ -274,7 +274,7 @@ pub enum FlowName {
 }
 
 /// `[[fill]]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FillSection {
     /// Its shape.
@@ -362,7 +362,7 @@ impl FillSection {
 }
 
 /// Friction by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SlipName {
     /// None.
@@ -382,7 +382,7 @@ impl From<SlipName> for Slip {
 }
 
 /// Kinds of walls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum WallKind {
     /// All faces of the domain that are neither open nor periodic.
@@ -392,7 +392,7 @@ pub enum WallKind {
 }
 
 /// `[[wall]]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallSection {
     /// Which kind.
@@ -407,7 +407,7 @@ pub struct WallSection {
 }
 
 /// `[[body]]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodySection {
     /// Its shape.
@@ -444,7 +444,7 @@ impl BodySection {
 }
 
 /// `[shifting]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ShiftingSection {
     /// Off: detection only.
@@ -476,7 +476,7 @@ impl Default for ShiftingSection {
 }
 
 /// `[output]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSection {
     /// Time between particle files; a fiftieth of the run.
@@ -494,7 +494,7 @@ impl Default for OutputSection {
 }
 
 /// Kinds of gauges.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GaugeKind {
     /// Mean pressure, by the kernel, of the fluid around `at`; 0 where it is dry.
@@ -508,7 +508,7 @@ pub enum GaugeKind {
 }
 
 /// `[[gauge]]`
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GaugeSection {
     /// Name of its column.

@@ -26,17 +26,22 @@ impl ShippedCase {
     /// # Ok::<(), fieldstone_sph::SphError>(())
     /// ```
     pub fn at_spacing(&self, spacing: Option<f64>) -> Result<Case, SphError> {
-        let Some(spacing) = spacing else { return Case::parse(self.text, self.name) };
-        let text = self.text.lines().map(|line| match line {
-            line if line.starts_with("spacing") => format!("spacing = {spacing}\n"),
-            line => line.replace(SLAB_WIDTH, &format!("{},", SLAB_LAYERS * spacing)) + "\n",
-        });
-        Case::parse(&text.collect::<String>(), self.name)
+        let case = Case::parse(self.text, self.name)?;
+        let Some(spacing) = spacing else { return Ok(case) };
+        if self.name != SLAB {
+            return case.with_spacing(spacing);
+        }
+        let width = format!("{},", SLAB_LAYERS * spacing);
+        // Both at once: neither the old width nor the new one goes with the other spacing.
+        let text = self.text.replace(SLAB_WIDTH, &width).replace(SLAB_SPACING, &format!("spacing = {spacing}\n"));
+        Case::parse(&text, self.name)
     }
 }
 
-/// Width of the slab in its file, and how many layers that is.
+/// The case whose width goes with its spacing: its width and spacing as they stand in its file, and its layers.
+const SLAB: &str = "dam-break-slab";
 const SLAB_WIDTH: &str = "0.18,";
+const SLAB_SPACING: &str = "spacing = 0.02\n";
 const SLAB_LAYERS: f64 = 9.0;
 
 macro_rules! shipped {

@@ -38,6 +38,7 @@ impl Solver {
     pub(super) fn check_particles(&self) -> Result<(), SphError> {
         let Boundaries { low, high, periodic, open, padding, .. } = &self.flow.boundaries;
         let dimension = self.flow.fluid.dimension;
+        let flat = dimension == 2;
         let bad = (0..self.state.len()).into_par_iter().find_map_first(|i| {
             let (position, velocity, density) = (self.state.x[i], self.state.u[i], self.state.density[i]);
             let (step, time, id) = (self.steps, self.time, self.state.id[i]);
@@ -45,6 +46,8 @@ impl Solver {
                 Some(format!("velocity {velocity:?}"))
             } else if !(density > 0.0 && density.is_finite()) {
                 Some(format!("density {density}"))
+            } else if flat && (position[2] != 0.0 || velocity[2] != 0.0) {
+                Some(format!("velocity {velocity:?}; in two dimensions z and its velocity must be 0"))
             } else {
                 None
             };

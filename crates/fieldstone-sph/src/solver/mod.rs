@@ -142,6 +142,7 @@ pub struct Solver {
     time: f64,
     steps: u64,
     last_step: f64,
+    fastest: f64,
     /// Whether neighbours are to be listed anew at the start of the next step.
     lists_due: bool,
     /// Step from which on the particles are put in order when neighbours are listed.
@@ -208,6 +209,7 @@ impl Solver {
             time: 0.0,
             steps: 0,
             last_step: 0.0,
+            fastest: 0.0,
             lists_due: true,
             order_due: 0,
             budget: Budget::default(),
@@ -325,10 +327,7 @@ impl Solver {
     pub fn labels(&self, method: &dyn SurfaceDetection) -> Result<Vec<bool>, SphError> {
         let fluid = &self.flow.fluid;
         let reach = method.reach(fluid.spacing);
-        let mut ghosts = Ghosts::new(&self.flow.boundaries, fluid.dimension, [0.0; 3]);
-        ghosts.rebuild(&self.state.x, &self.flow.boundaries, reach * (1.0 + 1e-9));
-        let image = |i: usize| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, &self.state.x) };
-        let images: Vec<Image> = (0..ghosts.images.len()).map(image).collect();
+        let images = self.images_within(reach);
         let (positions, candidates, volumes) = self.surroundings();
         let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
         let grid = NeighbourGrid::build_with_images(&positions, &images, options)?;
@@ -337,6 +336,14 @@ impl Solver {
         let mut labels = method.detect(&scene)?.labels();
         labels.truncate(self.state.len());
         Ok(labels)
+    }
+
+    /// Images of the particles within `reach` of a wall or periodic face.
+    fn images_within(&self, reach: f64) -> Vec<Image> {
+        let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
+        ghosts.rebuild(&self.state.x, &self.flow.boundaries, reach * (1.0 + 1e-9));
+        let image = |i: usize| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, &self.state.x) };
+        (0..ghosts.images.len()).map(image).collect()
     }
 
     /// Positions, which of them are fluid, and volumes, of fluid particles and bodies' ghosts.
@@ -365,7 +372,7 @@ impl Solver {
         Ok(total as f64 / self.state.len().max(1) as f64 - 1.0)
     }
 
-    /// Bytes that the solver holds.
+    /// Bytes of the state, its columns and neighbour lists; what a detection keeps beside them is not counted.
     pub fn bytes(&self) -> usize {
         // State and its middle, rates, gradients, shifts, positions of the lists, regions.
         let per_particle = 2 * (24 + 24 + 8 + 4) + 56 + 32 + 32 + 24 + 2;
@@ -411,12 +418,18 @@ impl Solver {
         boundary_forces(&self.stage.points, fluid, boundaries.bodies.len(), tensile)
     }
 
-    fn step_length(&self) -> f64 {
+    /// Largest speed of a particle at the start of any step that this solver has made.
+    pub fn fastest(&self) -> f64 {
+        self.fastest
+    }
+
+    fn step_length(&mut self) -> f64 {
         let largest = |vectors: &mut dyn Iterator<Item = [f64; 3]>| {
             vectors.map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max).sqrt()
         };
         let speed = largest(&mut self.state.u.iter().copied());
         let acceleration = largest(&mut self.stage.rates.iter().map(|r| r.acceleration));
+        self.fastest = self.fastest.max(speed);
         let allowed = self.flow.time_step.step(&self.flow.fluid, speed, acceleration);
         // A body counts with the fastest that it will be within the step.
         let motions = self.flow.boundaries.bodies.iter().filter_map(|b| b.motion.as_ref());
@@ -507,11 +520,15 @@ impl Solver {
         self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let mut clock = Instant::now();
         let (positions, candidates, volumes) = self.surroundings();
+        let Some(reach) = self.detector.as_ref().map(|d| d.reach(self.flow.fluid.spacing)) else { return Ok(()) };
+        if reach <= self.flow.fluid.kernel().reach() {
+            self.stage.points.images_of(&self.state.x, &mut self.images);
+        } else {
+            // The lists' images end with the kernel.
+            self.images = self.images_within(reach);
+        }
         let Some(detector) = &mut self.detector else { return Ok(()) };
-        let points = &self.stage.points;
         let (fluid, count) = (&self.flow.fluid, self.state.len());
-        points.images_of(&self.state.x, &mut self.images);
-        let reach = detector.reach(fluid.spacing);
         let grid = match &mut self.detection_grid {
             Some(grid) => {
                 grid.rebuild(&positions, &self.images)?;

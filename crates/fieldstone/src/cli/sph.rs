@@ -46,7 +46,7 @@ struct New {
     spacing: Option<f64>,
 }
 
-/// Count particles and estimate memory and time, without running
+/// Count particles, and estimate memory and time from two steps
 #[derive(Debug, Args)]
 struct Check {
     /// The case (.toml)
@@ -102,6 +102,8 @@ struct Figures {
     steps: f64,
     bytes: usize,
     seconds: f64,
+    /// By how much the particles are heavier than the fills, relatively.
+    excess_mass: f64,
 }
 
 impl Check {
@@ -114,7 +116,7 @@ impl Check {
         let text = format!(
             "fluid                {}\nghost                {}\nfree surface         {}\nneighbours           {:.0}\n\
              time step            {:.3e}\nsteps                {:.0}\nmemory               {:.2} GB\n\
-             estimated time       {}\n",
+             estimated time       {}\n{}",
             figures.fluid,
             figures.ghost,
             figures.free_surface,
@@ -123,6 +125,14 @@ impl Check {
             figures.steps,
             figures.bytes as f64 / 1e9,
             duration(figures.seconds),
+            if figures.excess_mass.abs() > 1e-9 {
+                format!(
+                    "excess mass          {:+.2} %: fills are no whole number of spacings long\n",
+                    100.0 * figures.excess_mass
+                )
+            } else {
+                String::new()
+            },
         );
         if let Some(path) = &self.json {
             let json = serde_json::to_string_pretty(&figures)?;
@@ -133,17 +143,17 @@ impl Check {
 }
 
 fn measure(case: &Case) -> anyhow::Result<Figures> {
+    let mut solver = case.solver()?;
     // Counted by the exact detection, whichever the case uses.
-    let mut flow = case.flow()?;
-    flow.detection = Some(fieldstone::surface::Method::Exact);
-    let mut solver = Solver::new(flow, case.state()?)?;
-    let free_surface = solver.regions().iter().filter(|&&r| r == 0).count();
+    let labels = solver.labels(&fieldstone::surface::Exact::default())?;
+    let free_surface = labels.iter().filter(|&&free| free).count();
     let (fluid, ghost) = (solver.state().len(), solver.ghost_count());
     let time_step = solver.allowed_step()?;
     // The first step warms up; the second tells the cost. The time step hardly changes in these flows.
     solver.step()?;
     let start = Instant::now();
     solver.step()?;
+    let seconds = start.elapsed().as_secs_f64();
     let steps = case.sections.time.end / time_step;
     Ok(Figures {
         fluid,
@@ -153,7 +163,8 @@ fn measure(case: &Case) -> anyhow::Result<Figures> {
         time_step,
         steps,
         bytes: solver.bytes(),
-        seconds: steps * start.elapsed().as_secs_f64(),
+        seconds: steps * seconds,
+        excess_mass: case.excess_mass()?,
     })
 }
 
@@ -183,22 +194,30 @@ impl Run {
         }
         let interrupt = stop_on_ctrl_c()?;
         let bar = progress()?;
-        let mut last: Option<(Phases, usize, u64)> = None;
+        let mut last: Option<(Phases, usize, u64, f64)> = None;
         let start = Instant::now();
         let mut first_time = None;
         let outcome = run(&case, &files, self.resume, &interrupt, |solver| {
             let first = *first_time.get_or_insert(solver.time());
             show(&bar, solver, case.sections.time.end, first, start);
-            last = Some((*solver.phases(), solver.state().len(), solver.budget().removed));
+            last = Some((*solver.phases(), solver.state().len(), solver.budget().removed, solver.fastest()));
         })?;
         bar.finish_and_clear();
-        if let Some((phases, particles, removed)) = last {
+        if let Some((phases, particles, removed, fastest)) = last {
             let mut text = format!("particles            {particles}\nremoved              {removed}\n");
             text.push_str(&format!("steps                {}\n", phases.steps));
             if self.verbose {
                 text.push_str(&phase_table(&phases, particles));
             }
+            text.push_str(&format!("largest speed        {fastest:.4}\n"));
             report::print(&text)?;
+            let sound_speed = case.flow()?.fluid.sound_speed;
+            if fastest > TOO_FAST * sound_speed {
+                report::warn(&format!(
+                    "particles were as fast as {fastest:.4}, with a speed of sound of {sound_speed}: the fluid was compressible; \
+                     ten times their speed is asked for (Eq. 3): raise expected_speed or sound_speed"
+                ));
+            }
         }
         match outcome {
             Outcome::Finished => report::print(&format!("written to           {}\n", folder.display())),
@@ -210,6 +229,9 @@ impl Run {
         }
     }
 }
+
+/// Speed over that of sound from which the density varies by some percent; drops that splash are fast, and do no harm.
+const TOO_FAST: f64 = 0.25;
 
 fn default_folder(case: &Path) -> PathBuf {
     let folder = case.with_extension("");

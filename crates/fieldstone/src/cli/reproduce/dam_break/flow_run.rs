@@ -82,8 +82,8 @@ pub(super) struct Frame {
 impl Flows {
     /// Computes a flow to the last of `times`, or goes on where an earlier call was stopped.
     ///
-    /// A flow of the same name that has frames at all `times` is not computed again. Frames at `others` are kept, too,
-    /// where the flow passes them.
+    /// A flow of the same name that has frames at all `times` is not computed again; one of other settings is refused. Frames
+    /// at `others` are kept, too, where the flow passes them.
     pub fn run(&self, name: &str, mut case: Case, times: &[f64], others: &[f64]) -> anyhow::Result<FlowRun> {
         self.stepping.apply(&mut case);
         let spacing = case.sections.spacing;
@@ -92,6 +92,7 @@ impl Flows {
         case.sections.time.end = end;
         case.sections.output.checkpoint_every = 60.0;
         let flow = FlowRun { case, folder, times: [times, others].concat() };
+        flow.refuse_other_settings()?;
         if !times.iter().all(|&t| flow.has_frame(t)) {
             self.compute(&flow, name)?;
         }
@@ -100,7 +101,7 @@ impl Flows {
 
     fn compute(&self, flow: &FlowRun, name: &str) -> anyhow::Result<()> {
         let files = RunFolder::create(&flow.folder)?;
-        AtomicFile::write(&flow.folder.join("case.toml"), |out| out.write_all(flow.case.text().as_bytes()))?;
+        AtomicFile::write(&flow.case_path(), |out| out.write_all(flow.case.to_toml().as_bytes()))?;
         let (end, resume) = (flow.case.sections.time.end, files.checkpoint().exists());
         let bar = progress(1000, name)?;
         let mut failure = None;
@@ -131,6 +132,27 @@ fn write_frame(path: &Path, solver: &Solver) -> anyhow::Result<()> {
 }
 
 impl FlowRun {
+    fn case_path(&self) -> PathBuf {
+        self.folder.join("case.toml")
+    }
+
+    /// Fails where the folder has a flow that was computed with other settings, end and outputs apart.
+    fn refuse_other_settings(&self) -> anyhow::Result<()> {
+        let path = self.case_path();
+        if !path.exists() {
+            return Ok(());
+        }
+        let mut former = Case::read(&path).map(|case| case.sections);
+        if let Ok(sections) = &mut former {
+            sections.time.end = self.case.sections.time.end;
+            sections.output.clone_from(&self.case.sections.output);
+        }
+        if former.is_ok_and(|sections| sections == self.case.sections) {
+            return Ok(());
+        }
+        bail!("{}: this flow was computed with other settings; remove its folder, or give another one", path.display())
+    }
+
     fn frame_path(&self, time: f64) -> PathBuf {
         self.folder.join(format!("frame_{time:.3}s.vtp"))
     }

@@ -1,0 +1,165 @@
+//! Runs that were stopped: they go on with the same bits, and nothing of what they have written is lost.
+#![allow(clippy::unwrap_used)]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fieldstone_io::CsvTable;
+use fieldstone_io::vtk::{read_pvd, read_vtk_particles};
+use fieldstone_sph::{Case, Outcome, RunFolder, SHIPPED, Solver, SphError, run};
+
+fn shipped(name: &str) -> Case {
+    SHIPPED.iter().find(|c| c.name == name).unwrap().at_spacing(None).unwrap()
+}
+
+/// A dam break of half a second of computing, with outputs as given.
+fn small(every: f64, end: f64) -> Case {
+    let text = shipped("column-1-2").text().replace("spacing = 0.004", "spacing = 0.0146");
+    let text =
+        text.replace("every = 0.02\n", &format!("every = {every}\n")).replace("end = 0.5", &format!("end = {end}"));
+    Case::parse(&text, "small.toml").unwrap()
+}
+
+fn final_checkpoint(folder: &RunFolder) -> Vec<u8> {
+    std::fs::read(folder.checkpoint()).unwrap()
+}
+
+#[test]
+fn an_interrupted_and_resumed_run_ends_with_the_same_bits_also_with_other_outputs() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = |name: &str| RunFolder::create(&space.path().join(name)).unwrap();
+    let never = AtomicBool::new(false);
+    let whole = folder("whole");
+    assert_eq!(run(&small(0.02, 0.3), &whole, false, &never, |_| ()).unwrap(), Outcome::Finished);
+    // Stopped where lists are of any age, and more than once.
+    let parts = folder("parts");
+    let mut resume = false;
+    for (steps, every) in [(7, 0.02), (23, 0.01), (40, 0.02)] {
+        let stop = AtomicBool::new(false);
+        let mut made = 0;
+        let outcome = run(&small(every, 0.3), &parts, resume, &stop, |_| {
+            made += 1;
+            stop.store(made >= steps, Ordering::Relaxed);
+        });
+        assert_eq!(outcome.unwrap(), Outcome::Interrupted);
+        resume = true;
+    }
+    assert_eq!(run(&small(0.02, 0.3), &parts, true, &never, |_| ()).unwrap(), Outcome::Finished);
+    assert!(final_checkpoint(&whole) == final_checkpoint(&parts));
+    // The table has no row twice and none is missing.
+    let times = |folder: &RunFolder| CsvTable::read(&folder.gauges()).unwrap().column("time").unwrap();
+    assert_eq!(times(&whole), times(&parts));
+}
+
+#[test]
+fn the_series_holds_every_particle_and_a_resumed_run_can_go_on_to_a_later_end() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
+    run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap();
+    let series = read_pvd(&folder.series()).unwrap();
+    assert_eq!(series.len(), 6);
+    assert!(series.iter().enumerate().all(|(n, (t, _))| *t >= 0.02 * n as f64 - 1e-12 && *t < 0.02 * n as f64 + 0.002));
+    for (_, file) in &series {
+        let particles = read_vtk_particles(&space.path().join(file.file_name().unwrap())).unwrap();
+        assert_eq!(particles.len(), 200);
+        assert!(particles.ids().unwrap().iter().enumerate().all(|(n, &id)| id == n as i64));
+        assert_eq!(particles.quantity("velocity").unwrap().components, 3);
+    }
+    let table = CsvTable::read(&folder.gauges()).unwrap();
+    let front = table.column("front").unwrap();
+    assert!((front[0] - 0.146).abs() < 1e-12 && front.windows(2).all(|w| w[1] > w[0] - 1e-9));
+    assert!(front[front.len() - 1] > 0.16);
+}
+
+#[test]
+fn damaged_and_foreign_checkpoints_are_refused() {
+    let space = tempfile::tempdir().unwrap();
+    let path = space.path().join("checkpoint.bin");
+    let case = small(0.02, 0.1);
+    let mut solver = case.solver().unwrap();
+    solver.step().unwrap();
+    solver.write_checkpoint(&path).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_ok());
+    let mut other = case.flow().unwrap();
+    other.fluid.delta = 0.2;
+    let message = Solver::read_checkpoint(&path, other).unwrap_err().to_string();
+    assert!(message.contains("belongs to another flow"), "{message}");
+    for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
+        let mut bad = good.clone();
+        bad[at] ^= 4;
+        std::fs::write(&path, &bad).unwrap();
+        assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_err(), "byte {at}");
+    }
+    std::fs::write(&path, &good[..good.len() - 8]).unwrap();
+    assert!(Solver::read_checkpoint(&path, case.flow().unwrap()).is_err());
+}
+
+#[test]
+fn a_run_that_breaks_names_the_particle_and_keeps_the_last_good_checkpoint() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
+    let good = final_checkpoint(&folder);
+    // Closed on the right, with no wall there: the fluid runs out of the domain.
+    let text =
+        small(0.02, 1.0).text().replace("kind = \"tank\"", "kind = \"plane\"\npoint = [0.0, 0.0]\nnormal = [0.0, 1.0]");
+    let text = text.replace("high = [0.584, 0.6]", "high = [0.2, 0.6]");
+    let case = Case::parse(&text, "leak.toml").unwrap();
+    let error = run(&case, &folder, false, &never, |_| ()).unwrap_err();
+    assert!(matches!(error, SphError::Lost { .. }), "{error}");
+    assert!(error.to_string().contains("has left the domain at"), "{error}");
+    assert!(final_checkpoint(&folder) == good);
+    assert!(space.path().join("failure.vtp").exists());
+}
+
+#[test]
+fn no_file_of_the_series_is_written_over_by_a_run_with_another_cadence() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    for (every, end, resume) in [(0.01, 0.05, false), (0.025, 0.1, true), (0.01, 0.14, true)] {
+        run(&small(every, end), &folder, resume, &never, |_| ()).unwrap();
+    }
+    let series = read_pvd(&folder.series()).unwrap();
+    // 0 to 0.05, 0.075 and 0.1, 0.11 to 0.14.
+    assert_eq!(series.len(), 6 + 2 + 4);
+    let mut names: Vec<_> = series.iter().map(|(_, file)| file.clone()).collect();
+    names.dedup();
+    assert_eq!(names.len(), series.len());
+    for (time, file) in &series {
+        let particles = read_vtk_particles(&space.path().join(file.file_name().unwrap())).unwrap();
+        assert_eq!(particles.time(), Some(*time));
+    }
+}
+
+#[test]
+fn a_table_goes_on_with_its_own_gauges_only() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
+    let before = std::fs::read(folder.gauges()).unwrap();
+    let more = small(0.02, 0.04).text().to_string() + "\n[[gauge]]\nname = \"second\"\nkind = \"front\"\n";
+    let error = run(&Case::parse(&more, "c.toml").unwrap(), &folder, true, &never, |_| ()).unwrap_err().to_string();
+    assert!(error.contains("gauges.csv: its columns are not those of the case's gauges"), "{error}");
+    assert!(std::fs::read(folder.gauges()).unwrap() == before);
+    // Moved away, another is begun.
+    std::fs::rename(folder.gauges(), space.path().join("old.csv")).unwrap();
+    run(&Case::parse(&more, "c.toml").unwrap(), &folder, true, &never, |_| ()).unwrap();
+    assert!(CsvTable::read(&folder.gauges()).unwrap().column("second").unwrap().iter().all(|x| *x > 0.146));
+}
+
+#[test]
+fn cadences_beyond_all_measure_are_no_reason_to_stop() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let mut case = small(1e-300, 0.004);
+    case.sections.output.checkpoint_every = 1e20;
+    let mut steps = 0;
+    run(&case, &folder, false, &AtomicBool::new(false), |_| steps += 1).unwrap();
+    // One at the start, one after each step.
+    assert_eq!(read_pvd(&folder.series()).unwrap().len(), steps + 1);
+}
