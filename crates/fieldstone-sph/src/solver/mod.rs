@@ -372,11 +372,13 @@ impl Solver {
         Ok(total as f64 / self.state.len().max(1) as f64 - 1.0)
     }
 
-    /// Bytes of the state, its columns and neighbour lists; what a detection keeps beside them is not counted.
+    /// Bytes that the solver holds from step to step; writing the particles takes some 100 more of each for a moment.
     pub fn bytes(&self) -> usize {
         // State and its middle, rates, gradients, shifts, positions of the lists, regions.
         let per_particle = 2 * (24 + 24 + 8 + 4) + 56 + 32 + 32 + 24 + 2;
-        self.state.len() * per_particle + self.stage.points.bytes()
+        // Positions, volumes, what is fluid, sorted columns, directions that were free, labels; images with their sources.
+        let detection = if self.detector.is_some() { 33 + 36 + 28 + 3 } else { 0 };
+        self.state.len() * (per_particle + detection) + self.images.len() * (32 + 36) + self.stage.points.bytes()
     }
 
     /// Acceleration of every particle in the present state.
