@@ -126,8 +126,8 @@ pub fn overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> f64 {
 
 /// The volume, and whether it took more digits than `f64` has.
 pub(crate) fn volume_and_path(ball: &Ball, polyhedron: &Polyhedron) -> (f64, bool) {
-    let (volume, error) = fast_overlap_volume(ball, polyhedron);
-    if error <= PROMISE * ball.volume().min(polyhedron.volume()) {
+    let (volume, _, promised) = in_f64(ball, polyhedron);
+    if promised {
         return (volume, false);
     }
     (certified::beyond_f64(ball, polyhedron, Wanted::Volume).overlap.volume, true)
@@ -147,15 +147,22 @@ pub(crate) fn volume_and_path(ball: &Ball, polyhedron: &Polyhedron) -> (f64, boo
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fast_overlap_volume(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64) {
+    let (volume, error, _) = in_f64(ball, polyhedron);
+    (volume, error)
+}
+
+/// The volume in `f64`, a bound of its error, and whether that is as low as promised.
+#[inline]
+fn in_f64(ball: &Ball, polyhedron: &Polyhedron) -> (f64, f64, bool) {
     if let Some(frames) = polyhedron.frames() {
         let found = inside_volume(ball, polyhedron, frames);
         // Of a ball larger than the element the faces' terms are better: their rounding cancels between neighbours.
-        let of_use = found.error.is_finite() && ball.volume() <= polyhedron.volume();
-        if found.promised || of_use {
-            return (found.volume, found.error);
+        if found.promised || found.error.is_finite() && ball.volume() <= polyhedron.volume() {
+            return (found.volume, found.error, found.promised);
         }
     }
-    volume_from_outside(ball, polyhedron)
+    let (volume, error) = volume_from_outside(ball, polyhedron);
+    (volume, error, error <= PROMISE * ball.volume().min(polyhedron.volume()))
 }
 
 /// The volume by [`face_terms`], for any ball and polyhedron, with a bound of its error.
