@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use crate::{FluidOptions, State};
 
 /// What a run has gained and lost since its start; per unit of length along z in two dimensions.
@@ -117,4 +119,17 @@ impl Energies {
             momentum: u.map(|u| mass * u),
         }
     }
+}
+
+/// Items per part of a sum.
+const PART: usize = 4096;
+
+/// Sum over items, part by part: in an order that does not depend on the number of threads.
+pub(crate) fn sum_in_parts<T: Sync, const N: usize>(items: &[T], term: impl Fn(&T) -> [f64; N] + Sync) -> [f64; N] {
+    let add = |mut sum: [f64; N], part: [f64; N]| {
+        sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += x);
+        sum
+    };
+    let parts: Vec<[f64; N]> = items.par_chunks(PART).map(|part| part.iter().map(&term).fold([0.0; N], add)).collect();
+    parts.into_iter().fold([0.0; N], add)
 }

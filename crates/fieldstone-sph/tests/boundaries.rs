@@ -25,7 +25,7 @@ fn a_run_detects_beside_walls_and_periodic_faces_as_the_detection_by_itself_does
             let mut random = 1u64;
             state.x.retain(|_| {
                 random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (random >> 33) % 3 != 0
+                !(random >> 33).is_multiple_of(3)
             });
             let count = state.x.len();
             state.u.truncate(count);

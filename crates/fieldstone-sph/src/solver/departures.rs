@@ -13,11 +13,10 @@ impl Solver {
         let stiffness = fluid.density / (fluid.sound_speed * fluid.sound_speed);
         for wall in &self.flow.boundaries.walls {
             let normal = wall.plane.normal();
-            for i in 0..self.state.len() {
+            let passed = |&i: &usize| wall.plane.distance(self.state.x[i]) < 0.0;
+            let passed: Vec<usize> = (0..self.state.len()).into_par_iter().filter(passed).collect();
+            for i in passed {
                 let x = self.state.x[i];
-                if wall.plane.distance(x) >= 0.0 {
-                    continue;
-                }
                 let before = Energies::of_particle(x, self.state.u[i], self.state.density[i], fluid);
                 let image = wall.plane.mirror(x);
                 let across: f64 = (0..3).map(|k| self.state.u[i][k] * normal[k]).sum();
@@ -72,7 +71,7 @@ impl Solver {
         let stays = |x: &[f64; 3]| {
             (0..self.flow.fluid.dimension).all(|k| !(open[k][0] && x[k] < low[k] || open[k][1] && x[k] > high[k]))
         };
-        if self.state.x.iter().all(stays) {
+        if self.state.x.par_iter().all(stays) {
             return false;
         }
         let (kept, gone): (Vec<u32>, Vec<u32>) =

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Flow, Solver};
 use crate::SphError;
-use crate::energy::accumulate;
+use crate::energy::{accumulate, sum_in_parts};
 use crate::phases::Phase;
 use crate::rates::Rate;
 
@@ -49,6 +49,7 @@ impl Solver {
 
     pub(super) fn step_runge_kutta(&mut self, dt: f64) -> Result<(), SphError> {
         self.fit_middle();
+        self.middle.u.copy_from_slice(&self.state.u);
         let mut moved: Vec<[f64; 3]> = self.state.u.clone();
         let mut sum: Vec<Rate> = self.stage.rates.clone();
         self.book(dt / 6.0);
@@ -89,20 +90,21 @@ impl Solver {
         Ok(())
     }
 
+    /// Makes `middle` as long as the state, which the prediction overwrites it with.
     fn fit_middle(&mut self) {
-        self.middle.x.clone_from(&self.state.x);
-        self.middle.u.clone_from(&self.state.u);
-        self.middle.density.clone_from(&self.state.density);
-        self.middle.id.clone_from(&self.state.id);
+        let count = self.state.len();
+        self.middle.x.resize(count, [0.0; 3]);
+        self.middle.u.resize(count, [0.0; 3]);
+        self.middle.density.resize(count, 0.0);
     }
 
-    /// Adds the powers and forces of the latest evaluation to the budget; summed in the order of the particles.
+    /// Adds the powers and forces of the latest evaluation to the budget.
     fn book(&mut self, dt: f64) {
-        for rate in &self.stage.rates {
-            self.budget.viscous += dt * rate.viscous_power;
-            self.budget.diffusive += dt * rate.diffusive_power;
-            self.budget.boundaries += dt * rate.boundary_power;
-        }
+        let powers =
+            sum_in_parts(&self.stage.rates, |rate| [rate.viscous_power, rate.diffusive_power, rate.boundary_power]);
+        self.budget.viscous += dt * powers[0];
+        self.budget.diffusive += dt * powers[1];
+        self.budget.boundaries += dt * powers[2];
         self.budget.surface_tension += dt * self.stage.tension_power;
         let forces = self.latest_forces();
         let Flow { fluid, .. } = &self.flow;
@@ -112,6 +114,6 @@ impl Solver {
         let mass = self.state.len() as f64 * fluid.particle_mass();
         accumulate(&mut momentum.weight, dt * mass, fluid.gravity);
         accumulate(&mut momentum.surface_tension, dt, self.stage.tension_force);
-        self.budget.singular += self.stage.gradients.iter().filter(|g| g[3] != 0.0).count() as u64;
+        self.budget.singular += self.stage.gradients.par_iter().filter(|g| g[3] != 0.0).count() as u64;
     }
 }

@@ -10,6 +10,7 @@ use fieldstone_surface::{Detection, Exact, Method, ScanningCone, Scene, SurfaceD
 use rayon::prelude::*;
 
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
+use crate::energy::sum_in_parts;
 use crate::error::check;
 use crate::ghosts::Ghosts;
 use crate::neighbour_count::NeighbourCount;
@@ -426,11 +427,9 @@ impl Solver {
     }
 
     fn step_length(&mut self) -> f64 {
-        let largest = |vectors: &mut dyn Iterator<Item = [f64; 3]>| {
-            vectors.map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max).sqrt()
-        };
-        let speed = largest(&mut self.state.u.iter().copied());
-        let acceleration = largest(&mut self.stage.rates.iter().map(|r| r.acceleration));
+        let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let speed = self.state.u.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt();
+        let acceleration = self.stage.rates.par_iter().map(|r| square(&r.acceleration)).reduce(|| 0.0, f64::max).sqrt();
         self.fastest = self.fastest.max(speed);
         let allowed = self.flow.time_step.step(&self.flow.fluid, speed, acceleration);
         // A body counts with the fastest that it will be within the step.
@@ -556,9 +555,8 @@ impl Solver {
     fn find_regions(&mut self) -> Result<(), SphError> {
         let mut clock = Instant::now();
         self.sum_shifts(&ShiftingOptions::default())?;
-        for (region, (_, found)) in self.regions.iter_mut().zip(self.shifts.drain(..)) {
-            *region = found;
-        }
+        self.regions.par_iter_mut().zip(&self.shifts).for_each(|(region, (_, found))| *region = *found);
+        self.shifts.clear();
         self.stage.phases.add(Phase::Detection, &mut clock);
         Ok(())
     }
@@ -567,13 +565,13 @@ impl Solver {
         let mut clock = Instant::now();
         self.sum_shifts(shifting)?;
         let (mass, gravity) = (self.flow.fluid.particle_mass(), self.flow.fluid.gravity);
-        for (i, (shift, region)) in self.shifts.iter().enumerate() {
-            for ((x, s), g) in self.state.x[i].iter_mut().zip(shift).zip(gravity) {
-                *x += s;
-                self.budget.shifting -= mass * g * s;
-            }
-            self.regions[i] = *region;
-        }
+        let moved = self.state.x.par_iter_mut().zip(&mut self.regions).zip(&self.shifts);
+        moved.for_each(|((x, region), (shift, found))| {
+            x.iter_mut().zip(shift).for_each(|(x, s)| *x += s);
+            *region = *found;
+        });
+        let [fall] = sum_in_parts(&self.shifts, |(s, _)| [gravity[0] * s[0] + gravity[1] * s[1] + gravity[2] * s[2]]);
+        self.budget.shifting -= mass * fall;
         self.stage.phases.add(Phase::Shifting, &mut clock);
         Ok(())
     }
