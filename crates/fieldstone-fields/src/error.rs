@@ -46,6 +46,14 @@ pub enum FieldsError {
         /// Shortest periodic length of the box.
         length: f64,
     },
+    /// The cells are so much larger than the periodic box that its copies in them are too many to go through.
+    #[error(
+        "{copies:.1e} copies of the periodic box reach the cells, and at most 1e5 are gone through; check units, or switch the images off (--periodic none)"
+    )]
+    BoxCopies {
+        /// Copies that reach the cells.
+        copies: f64,
+    },
     /// A method's name is not known.
     #[error(
         "there is no method '{0}'; choose one of kernel, kernel-f64, decomposition, centre, centre-smoothed, cube, divided, sampled:N, monte-carlo:N with N from 1 to 10000000"

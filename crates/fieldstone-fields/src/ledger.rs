@@ -1,8 +1,8 @@
 /// Where the volume went: what came in, what was placed in cells, what lies outside.
 ///
 /// `particle_volume = binned_volume + clipped_volume` to rounding for every method that conserves volume
-/// (all but centre-smoothed on cells of unequal size), and where cells lie within a periodic box: beyond it images
-/// are binned beside what they are images of, and `clipped_volume` turns negative to say so.
+/// (all but centre-smoothed on cells of unequal size), and where cells are no wider than a periodic box: in wider ones
+/// images are binned beside what they are images of, and `clipped_volume` turns negative to say so.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ledger {
     /// Particles read.

@@ -2,6 +2,11 @@
 
 use fieldstone_particles::Domain;
 
+use crate::FieldsError;
+
+/// Copies of the box that may reach the cells: with more of them the units must be wrong, and no run would end.
+const MOST_COPIES: f64 = 1e5;
+
 /// The shifts by whole periods that bring something into a box of interest.
 ///
 /// Unlike [`Domain::images`] the box is that of the cells, which need not lie in the domain: a grid that has been moved
@@ -23,6 +28,51 @@ impl Periods {
 
     pub fn any(&self) -> bool {
         self.vectors.iter().any(Option::is_some)
+    }
+
+    /// Refuses a box that is so much smaller than the cells that its copies are too many to go through.
+    pub fn check(&self) -> Result<(), FieldsError> {
+        let along = |k: usize| self.vectors[k].map_or(1.0, |vector| (self.high[k] - self.low[k]) / vector[k] + 1.0);
+        let copies = (0..3).map(along).product();
+        if copies > MOST_COPIES { Err(FieldsError::BoxCopies { copies }) } else { Ok(()) }
+    }
+
+    /// Calls `visit` with every image of a point that lies in the cells' box, in a fixed order.
+    ///
+    /// Of two images on opposite faces of that box, which are one place of the periodic space, the lower one counts:
+    /// cells that span the period see every point once. Along directions that are not periodic nothing is left out.
+    pub fn for_each_point(&self, at: [f64; 3], visit: impl FnMut([f64; 3])) {
+        let mut images = vec![at];
+        for axis in (0..3).rev() {
+            let Some(vector) = self.vectors[axis] else { continue };
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let mut next = Vec::with_capacity(images.len());
+            for image in &images {
+                // Rounding must not put a point on both faces, or on none.
+                let turns = |bound: f64| {
+                    let turns = (bound - image[axis]) / vector[axis];
+                    let whole = turns.round();
+                    let rounding = 1e-12 + 8.0 * f64::EPSILON * bound.abs().max(image[axis].abs()) / vector[axis];
+                    let on_face = (turns - whole).abs() < rounding;
+                    (if on_face { whole } else { turns }).ceil() as i64
+                };
+                next.extend((turns(low)..turns(high)).map(|m| {
+                    let mut moved: [f64; 3] = std::array::from_fn(|k| image[k] + m as f64 * vector[k]);
+                    moved[axis] = moved[axis].clamp(low, high);
+                    moved
+                }));
+            }
+            images = next;
+        }
+        images.into_iter().for_each(visit);
+    }
+
+    /// Calls `visit` with every image of a ball that may reach cells; without a radius, of its centre that lies in them.
+    pub fn for_each_image(&self, at: [f64; 3], radius: Option<f64>, mut visit: impl FnMut([f64; 3])) {
+        let Some(r) = radius else { return self.for_each_point(at, visit) };
+        self.for_each(at.map(|x| x - r), at.map(|x| x + r), |shift| {
+            visit(std::array::from_fn(|k| at[k] + shift[k]));
+        });
     }
 
     /// Calls `visit` with every shift that brings the box `low`…`high` to meet the cells' box, in a fixed order.
@@ -63,5 +113,22 @@ mod tests {
         let mut found = Vec::new();
         periods.for_each([0.1, 0.9, 0.0], [0.3, 1.1, 0.2], |shift| found.push(shift));
         assert_eq!(found, [[10.0, 0.0, 0.0], [11.0, 0.0, 0.0]]);
+    }
+
+    #[test]
+    fn a_point_on_a_face_of_cells_as_wide_as_the_period_has_one_image_in_them() {
+        // Widths and offsets that are no sums of powers of two: the images are on the faces up to rounding only.
+        for (low, period) in [(0.0, 1.0), (-0.5, 1.0), (0.1, 0.3), (1e3 + 0.1, 0.7)] {
+            let domain = Domain::new([low; 3], [low + period; 3], [true; 3]).unwrap();
+            for turns in -2..3 {
+                let start = low + 0.3 * period;
+                let cells = ([start; 3], [start + period; 3]);
+                let periods = Periods::new(Some(&domain), [false; 3], cells);
+                let mut found = Vec::new();
+                periods.for_each_point([start + f64::from(turns) * period; 3], |at| found.push(at));
+                assert_eq!(found.len(), 1, "{low} {period} {turns}: {found:?}");
+                assert!((found[0][0] - start).abs() < 1e-12, "{low} {period} {turns}: {found:?}");
+            }
+        }
     }
 }

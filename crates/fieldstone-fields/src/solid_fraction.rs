@@ -4,6 +4,7 @@ use fieldstone_mesh::Cells;
 use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
+use crate::periodic::Periods;
 use crate::weights::check_length;
 use crate::{FieldsError, Ledger, Method, NeumaierSum, Weights, smooth_conservatively};
 
@@ -142,14 +143,29 @@ pub fn solid_fraction_observed<C: Cells>(
 
 /// Number of particle centres in each cell; a centre on a common face counts once.
 ///
-/// With a `domain`, centres are wrapped along its periodic directions first.
+/// With a `domain`, every periodic image of a centre that lies in a cell counts, wherever the cells lie: in cells as wide
+/// as the period each particle counts once, and once more for each further period that they span.
 pub fn count_centres<C: Cells>(cells: &C, particles: &Particles, domain: Option<&Domain>) -> Vec<u32> {
-    let homes: Vec<Option<u32>> = particles
-        .positions()
-        .par_iter()
-        .map_init(|| cells.scratch(), |scratch, &at| cells.locate(domain.map_or(at, |d| d.wrap(at)), scratch))
-        .collect();
+    let periods = Periods::new(domain, [false; 3], cells.bounds());
     let mut counts = vec![0; cells.cell_count()];
+    // So many copies of the box that solid_fraction refuses them: nothing is counted, since it would not end.
+    if periods.check().is_err() {
+        return counts;
+    }
+    let homes: Vec<Vec<u32>> = particles
+        .positions()
+        .par_chunks(1024)
+        .map_init(
+            || cells.scratch(),
+            |scratch, chunk| {
+                let mut homes = Vec::with_capacity(chunk.len());
+                for &at in chunk {
+                    periods.for_each_point(at, |image| homes.extend(cells.locate(image, scratch)));
+                }
+                homes
+            },
+        )
+        .collect();
     for cell in homes.into_iter().flatten() {
         counts[cell as usize] += 1;
     }

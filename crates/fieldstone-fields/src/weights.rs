@@ -6,6 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
 use crate::binning::Binning;
+use crate::periodic::Periods;
 use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, Method};
 
@@ -54,11 +55,11 @@ struct Block {
 impl Weights {
     /// Bins every particle, in parallel.
     ///
-    /// With a `domain`, its periodic directions are honoured: positions are wrapped, and every image of a ball
-    /// that reaches into the box is binned.
+    /// With a `domain`, its periodic directions are honoured: every image of a ball that reaches the cells is binned,
+    /// wherever the cells and the particle lie. Cells that are several periods wide get several images of a ball.
     ///
     /// # Errors
-    /// Particles without radii; a particle that is no ball.
+    /// Particles without radii; a particle that is no ball; a periodic box of which more than 10⁵ copies reach the cells.
     pub fn build<C: Cells>(
         cells: &C,
         particles: &Particles,
@@ -93,6 +94,8 @@ impl Weights {
                 return Err(FieldsError::RadiusBox { particle, radius: radii[particle], length: shortest });
             }
         }
+        let periods = Periods::new(domain, [false; 3], cells.bounds());
+        periods.check()?;
         let binning = Binning::new(cells, method)?;
         let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
         let blocks: Vec<Block> = order
@@ -101,7 +104,7 @@ impl Weights {
                 || binning.scratch(),
                 |scratch, particles| {
                     let before = binning.path_counts(scratch);
-                    let mut block = bin_block(&binning, particles, positions, radii, domain, scratch)?;
+                    let mut block = bin_block(&binning, particles, positions, radii, &periods, scratch)?;
                     let after = binning.path_counts(scratch);
                     block.paths = PathCounts {
                         evaluated: after.evaluated - before.evaluated,
@@ -203,7 +206,8 @@ impl Weights {
         &self.balls
     }
 
-    /// Volume of each particle that lies outside all cells.
+    /// Volume of each particle that lies outside all cells; negative where the cells hold a part of it in several
+    /// periodic images.
     pub fn outside(&self) -> &[f64] {
         &self.outside
     }
@@ -307,7 +311,7 @@ fn bin_block<C: Cells>(
     particles: &[usize],
     positions: &[[f64; 3]],
     radii: &[f64],
-    domain: Option<&Domain>,
+    periods: &Periods,
     scratch: &mut C::Scratch,
 ) -> Result<Block, FieldsError> {
     let mut block = Block {
@@ -323,13 +327,18 @@ fn bin_block<C: Cells>(
         let ball = |centre| Ball::new(centre, radii[particle]).map_err(|source| FieldsError::Ball { particle, source });
         let original = ball(positions[particle])?;
         let seed = particle as u64;
-        match domain {
-            None => binning.bin(&original, seed, scratch, &mut row),
-            Some(domain) => {
-                for centre in domain.images(positions[particle], radii[particle]) {
-                    binning.bin(&ball(centre)?, seed, scratch, &mut row);
-                }
+        if periods.any() {
+            let mut failure = None;
+            let reach = if binning.by_centre() { None } else { Some(radii[particle]) };
+            periods.for_each_image(positions[particle], reach, |centre| match ball(centre) {
+                Ok(image) => binning.bin(&image, seed, scratch, &mut row),
+                Err(error) => failure = Some(error),
+            });
+            if let Some(error) = failure {
+                return Err(error);
             }
+        } else {
+            binning.bin(&original, seed, scratch, &mut row);
         }
         merge_equal_cells(&mut row);
         let placed = binning.placed(&original, &row);

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use fieldstone_fields::{Method, SolidFractionOptions, Weights, solid_fraction};
+use fieldstone_fields::{FieldsError, Method, SolidFractionOptions, Weights, count_centres, solid_fraction};
 use fieldstone_geometry::cap_volume;
 use fieldstone_mesh::Grid;
 use fieldstone_particles::{Domain, Particles};
@@ -144,4 +144,71 @@ fn a_box_sheared_by_whole_edges_gives_the_weights_of_the_upright_one() {
     for (cell, (a, b)) in sum(upright).iter().zip(sum(sheared)).enumerate() {
         assert!((a - b).abs() < 1e-13, "cell {cell}: {a} and {b}");
     }
+}
+
+/// A ball of radius 0.1 in a periodic unit box.
+fn one_ball(at: [f64; 3]) -> (Particles, Domain) {
+    let domain = Domain::new([0.0; 3], [1.0; 3], [true; 3]).unwrap();
+    (Particles::new(vec![at]).unwrap().with_uniform_radius(0.1).unwrap(), domain)
+}
+
+#[test]
+fn cells_that_are_not_aligned_with_the_periodic_box_lose_nothing_in_any_method() {
+    let grid = Grid::new([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], [10, 10, 10]).unwrap();
+    for y in [0.40, 0.45, 0.50, 0.55, 0.60, 0.95] {
+        let (one, domain) = one_ball([0.95, y, 0.5]);
+        for method in [Method::Kernel, Method::KernelF64, Method::Decomposition, Method::Cube, Method::Centre] {
+            let weights = Weights::build(&grid, &one, method, Some(&domain)).unwrap();
+            let share = weights.volumes().iter().sum::<f64>() / (4.0 / 3.0 * PI * 0.001);
+            assert!((share - 1.0).abs() < 1e-12, "{method} at {y}: {share}");
+        }
+    }
+}
+
+#[test]
+fn cells_of_several_periods_hold_every_image() {
+    // Two and a half periods along x: images at −0.8 and 0.2, and one at 1.2 that the end of the cells halves.
+    let (one, domain) = one_ball([0.2, 0.5, 0.5]);
+    let grid = Grid::new([-1.3, 0.0, 0.0], [1.2, 1.0, 1.0], [25, 1, 1]).unwrap();
+    let weights = Weights::build(&grid, &one, Method::Kernel, Some(&domain)).unwrap();
+    let share = weights.volumes().iter().sum::<f64>() / (4.0 / 3.0 * PI * 0.001);
+    assert!((share - 2.5).abs() < 1e-12, "{share}");
+    assert!((weights.outside()[0] / weights.particle_volumes()[0] + 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn centres_are_counted_where_their_images_lie() {
+    let (one, domain) = one_ball([0.95, 0.95, 0.5]);
+    let grid = Grid::new([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], [2, 2, 1]).unwrap();
+    assert_eq!(count_centres(&grid, &one, Some(&domain)), [1, 0, 0, 0]);
+
+    // In a tilted box the grid 0…1 in all directions is one period, too, and holds each of three balls once.
+    let tilted = Domain::triclinic([0.0; 3], [1.0; 3], [0.3, 0.1, 0.2], [true; 3]).unwrap();
+    let three = Particles::new(vec![[0.5; 3], [1.2, 0.9, 0.6], [0.15, 1.1, 0.95]]).unwrap();
+    let unit = Grid::new([0.0; 3], [1.0; 3], [1, 1, 1]).unwrap();
+    assert_eq!(count_centres(&unit, &three, Some(&tilted)), [3]);
+
+    // Two periods hold it twice, and on the face of the box it is still one particle.
+    let double = Grid::new([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).unwrap();
+    assert_eq!(count_centres(&double, &one, Some(&domain)), [1, 1]);
+    for face in [0.0, 1.0, 3.0] {
+        let (one, domain) = one_ball([face, 0.5, 0.5]);
+        let grid = Grid::new([0.0; 3], [1.0; 3], [4, 1, 1]).unwrap();
+        assert_eq!(count_centres(&grid, &one, Some(&domain)), [1, 0, 0, 0]);
+        let weights = Weights::build(&grid, &one, Method::Centre, Some(&domain)).unwrap();
+        assert_eq!((weights.cells(), weights.outside()), (&[0][..], &[0.0][..]));
+    }
+}
+
+#[test]
+fn a_periodic_box_much_smaller_than_the_cells_is_refused_instead_of_going_on_for_ever() {
+    let domain = Domain::new([0.0; 3], [1e-3; 3], [true; 3]).unwrap();
+    let one = Particles::new(vec![[5e-4; 3]]).unwrap().with_uniform_radius(1e-4).unwrap();
+    let grid = Grid::new([0.0; 3], [1.0; 3], [1, 1, 1]).unwrap();
+    let error = Weights::build(&grid, &one, Method::Kernel, Some(&domain)).unwrap_err();
+    assert!(
+        matches!(error, FieldsError::BoxCopies { copies } if (copies / 1001f64.powi(3) - 1.0).abs() < 1e-9),
+        "{error}"
+    );
+    assert_eq!(count_centres(&grid, &one, Some(&domain)), [0]);
 }

@@ -45,6 +45,11 @@ impl<'a, C: Cells> Binning<'a, C> {
         Ok(Self { cells, method, points, elements })
     }
 
+    /// Whether a ball counts where its centre is, whatever its radius.
+    pub fn by_centre(&self) -> bool {
+        matches!(self.method, Method::Centre | Method::CentreSmoothed)
+    }
+
     /// Appends (cell, volume) pairs for `ball`, in any order and possibly several per cell.
     ///
     /// `seed` must differ between balls and be the same for a ball in every run.

@@ -166,6 +166,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let periods = |once: bool| {
             Periods::new(domain.as_ref(), cells.averaged().map(|averaged| averaged && once), cells.bounds())
         };
+        periods(false).check()?;
         // A frame of weight 0 has been checked, and adds nothing.
         if weight > 0.0 {
             let by_frame = self.layout.width(Group::Frame) > 0;

@@ -107,10 +107,11 @@ impl<C: Cells> Weigher<'_, C> {
     /// Calls `visit` with the centre of every image of a particle that may reach cells.
     pub fn images(&self, frame: &Frame<'_>, particle: usize, visit: impl FnMut([f64; 3])) {
         let reach = match &self.weights {
-            ParticleWeights::Overlap(_) => frame.radii[particle],
-            ParticleWeights::Sampled { sampling, .. } => sampling.reach(),
+            ParticleWeights::Overlap(binning) if binning.by_centre() => None,
+            ParticleWeights::Overlap(_) => Some(frame.radii[particle]),
+            ParticleWeights::Sampled { sampling, .. } => Some(sampling.reach()),
         };
-        images_of(&self.periods, frame.positions[particle], reach, visit);
+        self.periods.for_each_image(frame.positions[particle], reach, visit);
     }
 
     /// The pairs of one particle.
@@ -244,19 +245,15 @@ impl<C: Cells> ContactWeights<'_, C> {
 
     /// Pairs of a contact point, in all images.
     pub fn point(&self, periods: &Periods, at: [f64; 3], scratch: &mut Scratch<C>, mut emit: impl FnMut(u32, f64)) {
-        images_of(periods, at, self.reach(), |at| match self {
-            Self::Sampled(sampling) => sampling.point(at, &mut emit),
-            Self::Segments(segments) => {
+        match self {
+            Self::Sampled(sampling) => {
+                periods.for_each_image(at, Some(self.reach()), |at| sampling.point(at, &mut emit));
+            }
+            Self::Segments(segments) => periods.for_each_point(at, |at| {
                 if let Some(cell) = segments.locate(at, &mut scratch.cells) {
                     emit(cell, 1.0);
                 }
-            }
-        });
+            }),
+        }
     }
-}
-
-fn images_of(periods: &Periods, at: [f64; 3], reach: f64, mut visit: impl FnMut([f64; 3])) {
-    periods.for_each(at.map(|x| x - reach), at.map(|x| x + reach), |shift| {
-        visit(std::array::from_fn(|k| at[k] + shift[k]));
-    });
 }

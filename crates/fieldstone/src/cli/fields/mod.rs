@@ -476,7 +476,15 @@ impl<'a> Run<'a> {
         let mut quantities = vec![Quantity { name: "fraction_in_cells".into(), components: 1, data: inside }];
         for field in &fields.fields {
             let (name, components) = (format!("field_{}", field.name), field.components.len());
-            quantities.push(Quantity { name, components, data: field_at_particles(&weights, field)? });
+            let mut data = field_at_particles(&weights, field)?;
+            // Cells of several periods hold a particle more than once: the mean is over all its images in them.
+            for (i, values) in data.chunks_exact_mut(components.max(1)).enumerate() {
+                let times = share(i);
+                if times > 1.0 + 1e-9 {
+                    values.iter_mut().for_each(|value| *value /= times);
+                }
+            }
+            quantities.push(Quantity { name, components, data });
         }
         quantities.into_iter().try_fold(particles, |all, quantity| {
             let name = quantity.name.clone();
