@@ -282,6 +282,29 @@ fn gridded_fields_are_linear_and_shared_out_amounts_keep_their_total() {
 }
 
 #[test]
+fn shared_out_amounts_that_leave_through_a_periodic_face_come_in_at_the_opposite_one() {
+    let folder = Folder::new();
+    // A line of particles 0.1 apart through a box that is periodic along x, the first one on its face.
+    let mut text = String::from("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n10\nITEM: BOX BOUNDS pp ff ff\n");
+    text.push_str("0 1\n0 1\n0 1\nITEM: ATOMS id x y z mass\n");
+    for k in 0..10 {
+        let _ = writeln!(text, "{} {} 0.5 0.5 3", k + 1, 0.1 * f64::from(k));
+    }
+    folder.write("line.dump", text);
+    folder.succeeds("grid --particles line.dump --spacing 0.1 --conserve mass --cell 2 --out out.vti");
+    let found = read_vtk(&folder.path("out.vti")).unwrap();
+    let image = found.image.as_ref().unwrap();
+    assert_eq!((image.cells[0], image.origin[0]), (5, 0.0));
+    assert!((image.spacing[0] - 0.2).abs() < 1e-15);
+    // Each cell holds one particle wholly and a half of one on each of its faces.
+    let mut along = [0.0; 5];
+    for (cell, mass) in found.array("mass_total").unwrap().values.to_f64().iter().enumerate() {
+        along[cell % 5] += mass;
+    }
+    assert!(along.iter().all(|mass| (mass - 6.0).abs() < 1e-12), "{along:?}");
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let folder = folder();
     for (command, out) in

@@ -80,11 +80,39 @@ pub(crate) fn nodes(frame: &SeriesFrame, surroundings: &Surroundings, cell: f64)
     // Beyond the surface, and beyond the balls of the particles' volume.
     let nodes = Nodes::around(&fluid, 1.5 * spacing, cell * spacing)
         .map_err(|e| anyhow!("{}: --cell, --spacing: {e}", frame.path.display()))?;
-    if let Some(grid) = nodes.grid() {
-        let cells = grid.cells().iter().product::<usize>() as u64;
-        check_memory(cells, NODE_BYTES, available_memory())?;
-    }
+    check_room(&nodes)?;
     Ok(nodes)
+}
+
+/// The same nodes, but along periodic axes from one end of the box to the other, the cells a little larger or smaller
+/// so that they fit.
+///
+/// Cells beyond the box would hold again what those at its opposite face hold.
+pub(crate) fn nodes_of_one_period(
+    frame: &SeriesFrame,
+    surroundings: &Surroundings,
+    cell: f64,
+) -> anyhow::Result<Nodes> {
+    let nodes = nodes(frame, surroundings, cell)?;
+    let Some(domain) = &surroundings.domain else { return Ok(nodes) };
+    let (mut origin, mut spacing, mut counts) = (nodes.origin(), nodes.spacing(), nodes.counts());
+    for k in (0..3).filter(|&k| domain.periodic()[k]) {
+        let length = domain.lengths()[k];
+        let cells = (length / spacing[k]).round().max(1.0);
+        origin[k] = domain.low()[k];
+        spacing[k] = length / cells;
+        // A float that is no count saturates and is refused with the nodes.
+        counts[k] = (cells as usize).saturating_add(1);
+    }
+    let nodes = Nodes::new(origin, spacing, counts)
+        .map_err(|e| anyhow!("{}: --cell, --spacing, and the periodic box: {e}", frame.path.display()))?;
+    check_room(&nodes)?;
+    Ok(nodes)
+}
+
+fn check_room(nodes: &Nodes) -> anyhow::Result<()> {
+    let cells = nodes.grid().map_or(0, |grid| grid.cells().iter().product::<usize>() as u64);
+    check_memory(cells, NODE_BYTES, available_memory())
 }
 
 /// The grid whose corners are `nodes`.

@@ -14,7 +14,7 @@ use fieldstone::particles::{Particles, Quantity};
 use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Surroundings, interpolate};
 
 use super::arguments::{ending, positive};
-use super::fluid::{FluidArguments, Source, cells, nodes};
+use super::fluid::{FluidArguments, Source, cells, nodes, nodes_of_one_period};
 use super::report;
 use super::sph_frames::{NumberedOutput, SphArguments, written};
 
@@ -48,6 +48,8 @@ pub(crate) struct GridFields {
     #[arg(long)]
     beyond_surface: bool,
     /// Columns of which each particle's amount is shared out among cells, such as mass
+    ///
+    /// Along periodic axes the cells end at the box, and are made to fit into it.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     conserve: Vec<String>,
     /// Only the plane at this position, e.g. y=0.15
@@ -116,7 +118,8 @@ impl GridFields {
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
         let nodes = match self.slice {
-            None => nodes(frame, &surroundings, self.cell)?,
+            None if self.conserve.is_empty() => nodes(frame, &surroundings, self.cell)?,
+            None => nodes_of_one_period(frame, &surroundings, self.cell)?,
             Some(Slice { axis, at }) => {
                 nodes(frame, &surroundings, self.cell)?.slice(axis, at).map_err(|e| anyhow!("--slice: {file}: {e}"))?
             }
@@ -178,7 +181,8 @@ impl GridFields {
             .and_then(|balls| balls.with_radii(radii))
             .map_err(|e| anyhow!("{file}: {e}"))?;
         let grid = cells(nodes)?;
-        let weights = Weights::build(&grid, &balls, Method::Kernel, None).map_err(|e| anyhow!("{file}: {e}"))?;
+        let domain = surroundings.domain.as_ref();
+        let weights = Weights::build(&grid, &balls, Method::Kernel, domain).map_err(|e| anyhow!("{file}: {e}"))?;
         if weights.outside().iter().zip(weights.particle_volumes()).any(|(out, whole)| *out > 1e-12 * whole) {
             // Volumes far above the spacing's cube: balls reach beyond the nodes' margin.
             report::warn(&format!("{file}: some particles reach beyond the grid; check the spacing and its unit"));
