@@ -663,3 +663,22 @@ fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
         mentions(&folder.fails(line), &parts);
     }
 }
+
+#[test]
+fn files_of_a_series_never_take_the_name_of_an_input() {
+    let folder = Folder::new();
+    let balls = "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0,0\n";
+    folder.write("balls.csv", balls);
+    let cells = "--grid 0,1,0,1,0,1 --cells 2 --fields density";
+    folder.succeeds(&format!("fields --particles balls.csv {cells} --to-particles run_1.vtp --out run_7.vti"));
+    for (line, input) in [
+        ("fields --particles run_1.vtp --to-particles run.pvd --out out.pvd", "run_1.vtp"),
+        ("fields --particles run_1.vtp --face-fields run.pvd --out out.pvd", "run_1.vtp"),
+        ("fields --particles balls.csv --out run.pvd --json run_3.vti", "run_3.vti"),
+    ] {
+        let message = folder.fails(&format!("{line} {cells}"));
+        mentions(&message, &["run.pvd", "run_NUMBER.vt", &format!("could overwrite {input}"), "choose another name"]);
+    }
+    // Results of an earlier run are replaced.
+    folder.succeeds(&format!("fields --particles balls.csv {cells} --out run.pvd"));
+}

@@ -320,6 +320,38 @@ fn results_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn numbered_results_never_take_the_name_of_an_input() {
+    let folder = folder();
+    folder.succeeds("detect --particles fluid.csv --spacing 0.1 --labels-only --out f_1.vtp");
+    for number in [2, 3] {
+        folder.copy(&folder.path("f_1.vtp"), &format!("f_{number}.vtp"));
+    }
+    let parts = ["f_{}.vtp", "could overwrite", "another file of this run", "choose another name"];
+    for command in ["detect", "surface"] {
+        let line = format!("{command} --particles f_{{}}.vtp --spacing 0.1 --out f_{{}}.vtp");
+        mentions(&folder.fails(&line), &parts);
+        let line = format!("{command} --particles f_{{}}.vtp --spacing 0.1 --out s_{{}}.vtp --json s_2.vtp");
+        mentions(&folder.fails(&line), &["s_{}.vtp", "could overwrite s_2.vtp"]);
+    }
+    // Leading zeros make another name.
+    folder.copy(&folder.path("f_1.vtp"), "g_01.vtp");
+    folder.succeeds("detect --particles g_01.vtp --spacing 0.1 --out g_{}.vtp");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.path("fluid.csv"), folder.path("h_0.csv")).unwrap();
+        mentions(
+            &folder.fails("detect --particles fluid.csv --spacing 0.1 --out h_{}.csv"),
+            &["overwrite another file of this run"],
+        );
+        std::fs::rename(folder.path("h_0.csv"), folder.path("h_7.csv")).unwrap();
+        mentions(
+            &folder.fails("detect --particles fluid.csv --spacing 0.1 --out h_{}.csv"),
+            &["could overwrite fluid.csv"],
+        );
+    }
+}
+
+#[test]
 fn the_figures_agree_with_the_paper() {
     let folder = folder();
     folder.succeeds("reproduce surface out --only fig6,fig7,fig8");

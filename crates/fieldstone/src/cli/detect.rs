@@ -152,14 +152,8 @@ impl Detect {
         // Angle and radius are refused before any file is read.
         self.method.0.with_cone(self.cone()).map_err(|e| anyhow!("--theta, --radius: {e}"))?;
         let inputs = self.sph.inputs();
-        let mut inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        out.check(&inputs)?;
-        if let Some(json) = &self.json {
-            let first = out.at(0);
-            inputs.push(&first);
-            super::outputs::check("--json", json, &inputs)?;
-        }
-        Ok(())
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        out.check_with_json(&inputs, self.json.as_deref())
     }
 
     fn cone(&self) -> ScanningCone {

@@ -17,6 +17,54 @@ pub(crate) fn check(option: &str, path: &Path, others: &[&Path]) -> anyhow::Resu
     Ok(())
 }
 
+/// Names that a run makes up as it goes on: a number between two parts that are given.
+#[derive(Debug, Clone)]
+pub(crate) struct NumberedNames {
+    folder: PathBuf,
+    before: String,
+    after: String,
+}
+
+impl NumberedNames {
+    /// The names `before`, a number and `after`, beside `path`.
+    pub fn beside(path: &Path, before: &str, after: &str) -> Self {
+        Self { folder: parent(path).into(), before: before.into(), after: after.into() }
+    }
+
+    /// Checks that none of these names is that of another file of the run.
+    ///
+    /// Which numbers there will be is not known before everything has been read, and by then the first files are written:
+    /// every number counts.
+    pub fn check(&self, option: &str, path: &Path, others: &[&Path]) -> anyhow::Result<()> {
+        // Files that are there by such a name may be links to the others.
+        let listed = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let there: Vec<PathBuf> = listed.map(|entry| entry.path()).filter(|path| self.has_name_of(path)).collect();
+        let folder = self.folder.canonicalize().ok();
+        let hit = |other: &&&Path| {
+            let beside = folder.is_some() && parent(other).canonicalize().ok() == folder;
+            beside && self.has_name_of(other) || there.iter().any(|path| is_same(path, other))
+        };
+        match others.iter().find(hit) {
+            Some(other) => bail!(
+                "{option} {}: the files {}NUMBER{} that this makes could overwrite {}, another file of this run; choose \
+                 another name",
+                path.display(),
+                self.before,
+                self.after,
+                other.display()
+            ),
+            None => Ok(()),
+        }
+    }
+
+    fn has_name_of(&self, path: &Path) -> bool {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let number = name.strip_prefix(self.before.as_str()).and_then(|rest| rest.strip_suffix(self.after.as_str()));
+        // Numbers are written without leading zeros.
+        number.is_some_and(|number| number.parse::<usize>().is_ok_and(|n| n.to_string() == number))
+    }
+}
+
 /// Checks that the folder around `path` exists and can be written to.
 pub(crate) fn check_folder(option: &str, path: &Path) -> anyhow::Result<()> {
     let shown = path.display();

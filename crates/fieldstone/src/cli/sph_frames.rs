@@ -309,7 +309,21 @@ impl NumberedOutput {
 
     /// Refuses places that cannot be written to, before any work is done.
     pub fn check(&self, others: &[&Path]) -> anyhow::Result<()> {
-        outputs::check(self.option, &self.at(0), others)
+        outputs::check(self.option, &self.at(0), others)?;
+        match self.name().split_once("{}") {
+            Some((before, after)) => {
+                outputs::NumberedNames::beside(&self.path, before, after).check(self.option, &self.path, others)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The same, with a file for the summary, which must be none of the others either.
+    pub fn check_with_json(&self, others: &[&Path], json: Option<&Path>) -> anyhow::Result<()> {
+        let Some(json) = json else { return self.check(others) };
+        let first = self.at(0);
+        outputs::check("--json", json, &[others, &[first.as_path()]].concat())?;
+        self.check(&[others, &[json]].concat())
     }
 
     /// Writes what is known of each frame as JSON, where asked for: one object, or a list where there may be many.

@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, nodes};
+use super::report;
 use super::sph_frames::{NumberedOutput, SphArguments, written};
-use super::{outputs, report};
 
 /// The surface of the fluid as triangles: watertight, manifold, with normals
 ///
@@ -101,14 +101,8 @@ impl Surface {
             bail!("--dimension 2: a surface has three; fieldstone detect finds the free surface in two");
         }
         let inputs = self.sph.inputs();
-        let mut inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        out.check(&inputs)?;
-        if let Some(json) = &self.json {
-            let first = out.at(0);
-            inputs.push(&first);
-            outputs::check("--json", json, &inputs)?;
-        }
-        Ok(())
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        out.check_with_json(&inputs, self.json.as_deref())
     }
 
     fn frame(&self, frame: &SeriesFrame, path: &Path) -> anyhow::Result<Summary> {

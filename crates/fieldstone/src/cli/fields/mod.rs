@@ -124,6 +124,18 @@ impl<'a> Run<'a> {
                 taken.push(path);
             }
         }
+        let cells_ending = if kind == CellKind::Mesh { ".vtu" } else { ".vti" };
+        let lists = [
+            ("--out", Some(out), cells_ending),
+            ("--face-fields", settings.face_fields.as_deref(), ".vtp"),
+            ("--to-particles", settings.to_particles.as_deref(), ".vtp"),
+        ];
+        for (option, path, ending) in lists {
+            if let Some(path) = path.filter(|path| super::arguments::ending(path) == "pvd") {
+                let before = format!("{}_", path.file_stem().unwrap_or_default().to_string_lossy());
+                outputs::NumberedNames::beside(path, &before, ending).check(option, path, &taken)?;
+            }
+        }
         if let Some(path) = &settings.face_fields {
             if kind == CellKind::Cylinder {
                 bail!(
