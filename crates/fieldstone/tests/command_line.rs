@@ -523,6 +523,8 @@ fn exit_codes_are_0_for_success_1_for_failure_and_2_for_wrong_usage() {
         &format!("{fraction} --cap 1.5"),
         &format!("{fraction} --smooth -1"),
         &format!("{fraction} --parcel-weight -1"),
+        &format!("{fraction} --parcel-weight 0"),
+        &format!("{fraction} --parcel-weight inf"),
         &format!("{fraction} --parcel-weight nan"),
         &format!("{fraction} --periodic w"),
         &format!("{fraction} --frame half"),

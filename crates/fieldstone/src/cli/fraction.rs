@@ -18,7 +18,9 @@ use fieldstone::particles::Particles;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::arguments::{CellSet, CellsArguments, ParticleArguments, Periodic, ending, fraction, not_negative};
+use super::arguments::{
+    CellSet, CellsArguments, ParticleArguments, Periodic, ending, fraction, not_negative, positive,
+};
 use super::timing::Timing;
 use super::{outputs, report};
 
@@ -197,7 +199,7 @@ impl FromStr for ParcelWeight {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.parse::<f64>() {
-            Ok(_) => Ok(Self::Number(not_negative(text)?)),
+            Ok(_) => Ok(Self::Number(positive(text)?)),
             Err(_) => Ok(Self::Column(text.into())),
         }
     }
