@@ -246,6 +246,29 @@ fn parcel_weights_multiply_volumes_by_a_number_or_a_column() {
 }
 
 #[test]
+fn more_solid_than_there_is_room_for_is_told_with_what_may_have_made_it() {
+    let folder = Folder::new();
+    folder.write("balls.csv", "x,y,z,radius\n0.5,0.5,0.5,0.4\n0.5,0.5,0.5,0.4\n");
+    let warning = |cells: u32, options: &str| {
+        let line = format!("fraction --grid 0,1,0,1,0,1 --cells {cells},{cells},{cells} --particles balls.csv");
+        folder.succeeds(&format!("{line} --out o.vti {options}")).stderr
+    };
+    // Two balls in one place fill the cells within them twice.
+    assert_eq!(warning(8, ""), "warning: solid fractions above 1 come from particles that overlap each other\n");
+    let message = warning(1, "--parcel-weight 1e9");
+    assert!(message.contains("check --parcel-weight 1000000000") && !message.contains("overlap"), "{message}");
+    let message = warning(1, "--parcel-weight 2");
+    assert!(message.contains("up to 1.072") && message.contains("check --parcel-weight 2;"), "{message}");
+    assert!(message.contains("overlap"), "{message}");
+    folder.write("balls.csv", "x,y,z\n0.5,0.5,0.5\n0.4,0.5,0.5\n0.5,0.6,0.5\n");
+    let message = warning(2, "--radius 3");
+    assert!(message.contains("up to 3.000") && message.contains("check --radius 3 and its unit"), "{message}");
+    assert!(!message.contains("overlap"), "{message}");
+    folder.write("balls.csv", "x,y,z,radius\n0.5,0.5,0.5,9\n0.4,0.5,0.5,9\n0.5,0.6,0.5,9\n");
+    assert!(warning(2, "").contains("check the unit of the file's radii"));
+}
+
+#[test]
 fn smoothing_conserves_volume_the_cap_bounds_and_both_keep_the_plain_field() {
     let folder = small_case();
     let run = |options: &str| {

@@ -1,6 +1,6 @@
 //! `fieldstone fraction`: the solid fraction of every cell.
 
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -112,7 +112,7 @@ impl Fraction {
         }
         let ledger = &outcome.fields.ledger;
         if ledger.cells_above_one > 0 && self.method.is_exact() {
-            report::warn("solid fractions above 1 come from particles that overlap each other");
+            report::warn(&self.too_full(ledger.max_solid_fraction));
         }
         let mut text = report::ledger(ledger, inverted);
         let _ = writeln!(text, "written to           {}", self.out.display());
@@ -120,6 +120,29 @@ impl Fraction {
             let _ = write!(text, "\n{}", timing.table());
         }
         report::print(&text)
+    }
+
+    /// Why there may be more solid in a cell than it has room for.
+    fn too_full(&self, most: f64) -> String {
+        // The bodies of soft spheres overlap by some percent of their volume.
+        let absurd = most > MOST_BY_OVERLAP;
+        let mut causes = Vec::new();
+        if let Some(weight) = &self.parcel_weight {
+            causes.push(format!("check --parcel-weight {weight}"));
+        }
+        match (self.particles.radius, self.particles.diameter) {
+            (Some(radius), _) => causes.push(format!("check --radius {radius} and its unit")),
+            (_, Some(diameter)) => causes.push(format!("check --diameter {diameter} and its unit")),
+            _ if absurd => causes.push("check the unit of the file's radii".into()),
+            _ => {}
+        }
+        if !absurd {
+            causes.push("particles that overlap each other give them, too".into());
+        }
+        match causes.as_slice() {
+            [_] if !absurd => "solid fractions above 1 come from particles that overlap each other".into(),
+            _ => format!("solid fractions are up to {most:.3}, and no cell holds more than 1: {}", causes.join("; ")),
+        }
     }
 
     /// Where results go, with everything refused that would fail or do harm later.
@@ -187,11 +210,23 @@ impl Fraction {
     }
 }
 
+/// Solid fractions above this do not come from spheres that are pressed into each other.
+const MOST_BY_OVERLAP: f64 = 2.0;
+
 /// How many real particles each one stands for.
 #[derive(Debug, Clone, PartialEq)]
 enum ParcelWeight {
     Number(f64),
     Column(String),
+}
+
+impl fmt::Display for ParcelWeight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(weight) => weight.fmt(f),
+            Self::Column(name) => name.fmt(f),
+        }
+    }
 }
 
 impl FromStr for ParcelWeight {
