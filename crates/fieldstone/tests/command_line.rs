@@ -318,7 +318,9 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
     assert!(near(share("--periodic zyx").0, 1.0));
     // A grid that reaches beyond the box would see the images of balls that it holds already.
     let line = "fraction --grid -1,1,0,1,0,1 --cells 4,4,4 --particles corner.dump --out o.csv";
-    assert!(folder.succeeds(line).stderr.contains("the box is periodic along x, but the mesh reaches beyond it"));
+    let warning = folder.succeeds(line).stderr;
+    assert!(warning.contains("the box is periodic along xy, but the cells reach beyond it along x"), "{warning}");
+    assert!(warning.contains("one period (0 to 1 along x), or --periodic xy for images in all cells"), "{warning}");
 
     folder.write("boxless.csv", "x,y,z,r\n0.5,0.5,0.5,0.1\n");
     let line = "fraction --grid 0,1,0,1,0,1 --cells 4,4,4 --particles boxless.csv --out p.csv --periodic x";

@@ -682,3 +682,31 @@ fn files_of_a_series_never_take_the_name_of_an_input() {
     // Results of an earlier run are replaced.
     folder.succeeds(&format!("fields --particles balls.csv {cells} --out run.pvd"));
 }
+
+#[test]
+fn the_default_grid_of_a_tilted_periodic_box_holds_everything_once() {
+    let folder = Folder::new();
+    // Tilts xy 0.3, xz 0.1, yz 0.2: the bounds that dumps state are those around the tilted box.
+    let bounds = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n0 1.4 0.3\n0 1.2 0.1\n0 1 0.2\n";
+    let balls = "1 0.5 0.5 0.5 0.1 1 0 0 0\n2 1.2 0.9 0.6 0.1 2 0 0 0\n3 0.15 1.1 0.95 0.1 4 0 0 0\n";
+    let head = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\n";
+    folder.write("tilted.dump", format!("{head}{bounds}ITEM: ATOMS id x y z radius mass vx vy vz\n{balls}"));
+    let fields = "fields --particles tilted.dump --cells 4 --fields density --out out.vti";
+    let run = folder.succeeds(fields);
+    mentions(&run.stdout, &["mass binned          7  (100.0000 %)"]);
+    assert_eq!(run.stderr, "");
+    folder.succeeds("fraction --particles tilted.dump --grid 0,1,0,1,0,1 --cells 2,2,2 --out a.vti");
+    assert!((column(&folder, "a.vti", "particle_count").iter().sum::<f64>() - 3.0).abs() < 1e-15);
+    let volume: f64 = column(&folder, "a.vti", "solid_volume").iter().sum();
+    assert!((volume / (3.0 * 4.0 / 3.0 * PI * 0.001) - 1.0).abs() < 1e-12, "{volume}");
+
+    // Cells around the whole box are too wide, and the warning says along what, and what to do.
+    let run = folder.succeeds(&format!("{fields} --grid 0,1.4,0,1.2,0,1"));
+    let remedy = "one period (0 to 1 along x, 0 to 1 along y), or --periodic xyz";
+    mentions(&run.stderr, &["the box is periodic along xyz, but the cells are wider than it along xy", remedy]);
+    // Without images the box as it is, tilted, holds all centres.
+    let run = folder.succeeds(&format!("{fields} --periodic none"));
+    let found = vtk::read_vtk(&folder.path("out.vti")).unwrap();
+    assert!(found.image.unwrap().spacing.iter().zip([0.35, 0.3, 0.25]).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert!(!run.stdout.contains("(100.0000 %)"));
+}

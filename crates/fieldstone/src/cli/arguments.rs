@@ -170,7 +170,7 @@ impl ParticleArguments {
 /// Which periodic directions to honour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Periodic {
-    /// Those of the file, where the mesh does not reach beyond the box.
+    /// Those of the file, where the cells do not reach beyond the box; in a tilted one, where they are no wider than it.
     Auto,
     /// Exactly these.
     Given([bool; 3]),
@@ -210,18 +210,32 @@ impl Periodic {
             let Self::Given(axes) = self else { return Ok((None, None)) };
             return Ok((axes.contains(&true).then(|| domain.with_periodic(axes)), None));
         };
-        // In fractions of the edges, since a tilted box is reached beyond by some corner of the mesh's bounds.
-        let corners =
-            (0..8).map(|corner: usize| [0, 1, 2].map(|k| if corner >> k & 1 == 0 { low[k] } else { high[k] }));
-        let fractions: Vec<[f64; 3]> = corners.map(|corner| domain.fractions(corner)).collect();
-        let inside = |k: usize| fractions.iter().all(|f| f[k] >= -1e-9 && f[k] <= 1.0 + 1e-9);
-        let axes: [bool; 3] = std::array::from_fn(|k| domain.periodic()[k] && inside(k));
-        let refused: String =
-            (0..3).filter(|&k| domain.periodic()[k] && !axes[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+        let wide = |k: usize| high[k] - low[k] > domain.lengths()[k] * (1.0 + 1e-9);
+        let beyond = |k: usize| {
+            let slack = 1e-9 * domain.lengths()[k];
+            low[k] < domain.low()[k] - slack || high[k] > domain.high()[k] + slack
+        };
+        // No upright cells fill a tilted box, but in any that are no wider than its period everything is once.
+        let tilted = !domain.is_orthogonal();
+        let refuses = |k: usize| if tilted { wide(k) } else { beyond(k) };
+        let axes: [bool; 3] = std::array::from_fn(|k| domain.periodic()[k] && !refuses(k));
+        let named = |chosen: &dyn Fn(usize) -> bool| -> String {
+            (0..3).filter(|&k| chosen(k)).map(|k| ['x', 'y', 'z'][k]).collect()
+        };
+        let all = named(&|k| domain.periodic()[k]);
+        let refused = named(&|k| domain.periodic()[k] && !axes[k]);
         let note = (!refused.is_empty()).then(|| {
+            // As the user would write them: the ends are differences of the numbers in the file.
+            let short = |x: f64| format!("{x:.9e}").parse::<f64>().unwrap_or(x);
+            let ends: Vec<String> = (0..3)
+                .filter(|&k| domain.periodic()[k] && !axes[k])
+                .map(|k| format!("{} to {} along {}", short(domain.low()[k]), short(domain.high()[k]), ['x', 'y', 'z'][k]))
+                .collect();
             format!(
-                "the box is periodic along {refused}, but the mesh reaches beyond it there: no images are made, \
-                 since cells outside would get them twice"
+                "the box is periodic along {all}, but the cells {} along {refused}: no images are made there, since cells \
+                 outside would get them twice; give cells of one period ({}), or --periodic {all} for images in all cells",
+                if tilted { "are wider than it" } else { "reach beyond it" },
+                ends.join(", ")
             )
         });
         Ok((axes.contains(&true).then(|| domain.with_periodic(axes)), note))

@@ -70,6 +70,8 @@ pub(crate) struct Fraction {
     #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_negative_numbers = true)]
     cap: Option<f64>,
     /// Periodic directions: auto (those of the file, where the mesh does not reach beyond the box), none, or e.g. xy
+    ///
+    /// auto in a tilted box: where the cells are no wider than the box.
     #[arg(long, default_value = "auto", value_name = "AXES")]
     periodic: Periodic,
     /// Print a table of where the time went

@@ -6,7 +6,7 @@ use fieldstone::mesh::{Cells, Coordinates, CylinderGrid, Grid, Mesh};
 use fieldstone::particles::Particles;
 
 use super::settings::Settings;
-use crate::cli::arguments::{available_memory, check_memory};
+use crate::cli::arguments::{Periodic, available_memory, check_memory};
 
 /// Bytes that a cell takes while its numbers are computed: the sums, the fields that come of them, and a copy while they
 /// are written.
@@ -25,14 +25,14 @@ impl CellSet {
     /// The cells that the settings ask for; bounds that they leave out are those of the first frame's box.
     ///
     /// `columns` is the number of numbers per cell that will be held.
-    pub fn new(settings: &Settings, first: &Particles, columns: usize) -> anyhow::Result<Self> {
+    pub fn new(settings: &Settings, first: &Particles, periodic: Periodic, columns: usize) -> anyhow::Result<Self> {
         if let Some(path) = &settings.mesh {
             return Ok(Self::Mesh(Box::new(read_mesh(path)?)));
         }
         let name = settings.coordinates.as_deref().unwrap_or("XYZ").to_ascii_uppercase();
         let cells = match name.as_str() {
             "R" | "RZ" | "RTZ" => Self::Cylinder(cylinder(settings, &name, first)?),
-            _ => Self::Grid(grid(settings, &name, first)?),
+            _ => Self::Grid(grid(settings, &name, first, periodic)?),
         };
         let count = match &cells {
             Self::Grid(grid) => grid.cell_count(),
@@ -62,7 +62,7 @@ impl CellSet {
     }
 }
 
-fn grid(settings: &Settings, name: &str, first: &Particles) -> anyhow::Result<Grid> {
+fn grid(settings: &Settings, name: &str, first: &Particles, periodic: Periodic) -> anyhow::Result<Grid> {
     let coordinates: Coordinates = name.parse().map_err(|_| {
         anyhow!("--coordinates {name}: choose O, X, Y, Z, XY, XZ, YZ, XYZ, or around an axis R, RZ, RTZ")
     })?;
@@ -82,7 +82,7 @@ fn grid(settings: &Settings, name: &str, first: &Particles) -> anyhow::Result<Gr
             }
             corners
         }
-        None => bounds_of(first)?,
+        None => one_period(first, periodic, bounds_of(first)?),
     };
     let resolved: Vec<usize> = (0..3).filter(|&k| coordinates.resolved()[k]).collect();
     let mut cells = [1; 3];
@@ -149,6 +149,25 @@ fn cylinder(settings: &Settings, name: &str, first: &Particles) -> anyhow::Resul
         }
     };
     CylinderGrid::new(axis, origin, [r0, r1], [z0, z1], cells).map_err(|e| anyhow!("--grid, --cells, --origin: {e}"))
+}
+
+/// The bounds of a tilted box, but one period along the axes that count as periodic: the cells between them hold
+/// everything once, and those around the whole box would hold some of it twice.
+fn one_period(
+    particles: &Particles,
+    periodic: Periodic,
+    (mut low, mut high): ([f64; 3], [f64; 3]),
+) -> ([f64; 3], [f64; 3]) {
+    if let Some(domain) = particles.domain() {
+        let axes = match periodic {
+            Periodic::Auto => domain.periodic(),
+            Periodic::Given(axes) => axes,
+        };
+        for k in (0..3).filter(|&k| axes[k]) {
+            (low[k], high[k]) = (domain.low()[k], domain.high()[k]);
+        }
+    }
+    (low, high)
 }
 
 /// The box, or the space that the particles take up where there is none.

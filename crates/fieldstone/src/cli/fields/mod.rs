@@ -281,7 +281,7 @@ impl<'a> Run<'a> {
             self.options.fields.retain(|field| !needs_spin(*field));
         }
         self.species = self.species(&first)?;
-        let cells = CellSet::new(self.settings, &first.particles, self.columns())?;
+        let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
         let mut job = Job { cells: &cells, first, series: &mut series, restart: restart.as_ref(), over_time };
         let keep = self.settings.face_fields.is_some();
         let account = match &cells {

@@ -215,7 +215,7 @@ pub(crate) struct Settings {
     pub mesh: Option<PathBuf>,
     /// Bounds of the grid: XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [default: the box]
     ///
-    /// For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
+    /// The default for a tilted box is one period of it, upright, along its periodic axes. For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
     #[arg(long, value_name = "BOUNDS", allow_hyphen_values = true)]
     pub grid: Option<Numbers<f64>>,
     /// Cells of the grid along its resolved directions, or one number for all of them, e.g. 10,10,20 or 20
@@ -287,6 +287,8 @@ pub(crate) struct Settings {
     pub region: Option<Numbers<f64>>,
     /// Periodic directions: auto (those of the file, where the cells do not reach beyond the box), none, or e.g. xy
     /// [default: auto]
+    ///
+    /// auto in a tilted box: where the cells are no wider than the box.
     #[arg(long, value_name = "AXES")]
     pub periodic: Option<String>,
     /// Frames START:STOP:STEP as in Python, from 0, negative ones from the end
