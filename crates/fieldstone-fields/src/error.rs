@@ -164,6 +164,16 @@ pub enum FieldsError {
     /// Particles are to be selected by type, but have none.
     #[error("the particles have no types to select by; give a file with a type or species column")]
     NoTypes,
+    /// A range ends before it begins.
+    #[error("{name} from {low} to {high}: nothing lies between; give the smaller number first")]
+    Reversed {
+        /// What the range is of.
+        name: &'static str,
+        /// Where it begins.
+        low: f64,
+        /// Where it ends.
+        high: f64,
+    },
     /// Fields of contacts were asked for without contacts.
     #[error("field '{0}' needs contacts; give a file of them (--contacts), or leave the field out")]
     NoContacts(&'static str),

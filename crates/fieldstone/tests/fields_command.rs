@@ -291,8 +291,8 @@ fn gravity_species_and_displacements_are_at_hand() {
     mentions(&message, &["no frame"]);
     folder.succeeds(&format!("{MERCURY} --species 0 --out s.vti"));
     assert_eq!(column(&folder, "s.vti", "density"), density);
-    folder.succeeds(&format!("{MERCURY} --species 7 --out none.vti"));
-    assert_eq!(column(&folder, "none.vti", "density"), [0.0, 0.0]);
+    let message = folder.fails(&format!("{MERCURY} --species 7 --out none.vti"));
+    mentions(&message, &["box.data: no particle is of type 7; the types are 0"]);
 }
 
 /// Three cells along x, the two balls of different types; what crosses the faces is known in closed form.
@@ -709,4 +709,43 @@ fn the_default_grid_of_a_tilted_periodic_box_holds_everything_once() {
     let found = vtk::read_vtk(&folder.path("out.vti")).unwrap();
     assert!(found.image.unwrap().spacing.iter().zip([0.35, 0.3, 0.25]).all(|(a, b)| (a - b).abs() < 1e-12));
     assert!(!run.stdout.contains("(100.0000 %)"));
+}
+
+#[test]
+fn fields_that_hold_nothing_are_refused_with_what_led_to_them() {
+    let folder = Folder::new();
+    folder
+        .write("balls.csv", "x,y,z,radius,mass,vx,vy,vz,type\n0.3,0.3,0.3,0.1,1,0,0,0,1\n0.7,0.7,0.7,0.2,1,0,0,0,2\n");
+    let fields = "fields --particles balls.csv --fields density --out out.vti";
+    let unit = "--grid 0,1,0,1,0,1 --cells 4";
+    for (line, parts) in [
+        (
+            "--grid 10,11,0,1,0,1 --cells 4".into(),
+            &["balls.csv in the grid: none of the 2 particles", "check units"][..],
+        ),
+        (format!("{unit} --species 7"), &["--species: balls.csv: no particle is of type 7; the types are 1, 2"]),
+        (format!("{unit} --radii 1,0"), &["--radii", "radii from 1 to 0", "the smaller number first"]),
+        (format!("{unit} --region 5,0,0,1,0,1"), &["--region", "x of the region from 5 to 0", "smaller number first"]),
+        (format!("{unit} --radii 1,2"), &["none of the 2 particles is left by", "radii are 0.1 to 0.2"]),
+        (format!("{unit} --region 5,6,0,1,0,1"), &["is left by", "span (0.3, 0.3, 0.3) to (0.7, 0.7, 0.7)"]),
+        (
+            // The nearest centre of a cell is (0.075² · 3)^½ = 0.13 away.
+            format!("{unit} --function gauss --width 1 --cutoff 0.05"),
+            &["no cell's centre lies within 0.05 of a particle", "--cutoff, or smaller cells"],
+        ),
+    ] {
+        mentions(&folder.fails(&format!("{fields} {line}")), parts);
+    }
+    // One of several types may be missing, but not in silence.
+    let run = folder.succeeds(&format!("{fields} {unit} --species 1,7"));
+    mentions(&run.stderr, &["warning: --species: no particle is of type 7; the types are 1, 2"]);
+    // A series in which one frame has nothing in the cells is fine.
+    let ball = |x: f64| format!("x,y,z,radius,mass,vx,vy,vz\n{x},0.5,0.5,0.1,1,0,0,0\n");
+    folder.write("f_0.csv", ball(0.5));
+    folder.write("f_1.csv", ball(9.5));
+    folder.succeeds(&format!("fields --particles f_{{}}.csv {unit} --fields density --out out.pvd"));
+    mentions(
+        &folder.fails(&format!("fields --particles f_{{}}.csv --frames 1 {unit} --fields density --out out.pvd")),
+        &["f_0.csv in the grid: none of the 1 particles lies in the mesh"],
+    );
 }

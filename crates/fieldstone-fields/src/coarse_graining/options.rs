@@ -71,6 +71,26 @@ pub struct Selection {
     pub region: Option<[[f64; 3]; 2]>,
 }
 
+impl Selection {
+    /// Refuses ranges that nothing can lie in.
+    ///
+    /// # Errors
+    /// [`FieldsError::Reversed`] where a lower bound is above the upper one or either is NaN.
+    pub fn check(&self) -> Result<(), FieldsError> {
+        let radii = self.radii.map(|[least, most]| ("radii", least, most));
+        let region = self.region.iter().flat_map(|[low, high]| {
+            ["x of the region", "y of the region", "z of the region"]
+                .into_iter()
+                .enumerate()
+                .map(|(k, name)| (name, low[k], high[k]))
+        });
+        match radii.into_iter().chain(region).find(|(_, low, high)| *low > *high || low.is_nan() || high.is_nan()) {
+            Some((name, low, high)) => Err(FieldsError::Reversed { name, low, high }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// What a quantity of the user's becomes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QuantityKind {
@@ -208,6 +228,7 @@ impl CoarseGrainingOptions {
         {
             return Err(FieldsError::Option { name: "the particle density", value, allowed: "positive and finite" });
         }
+        self.selection.check()?;
         let mut names: Vec<&str> = self.fields.iter().map(|f| f.name()).collect();
         for quantity in &self.quantities {
             if quantity.columns.is_empty() {

@@ -7,6 +7,7 @@ use fieldstone::fields::{CoarseGrainingLedger, Fields};
 use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
+use super::binned::Found;
 use crate::cli::report::number;
 
 /// What has been seen of the frames themselves.
@@ -17,6 +18,8 @@ pub(super) struct Seen {
     pub particles: usize,
     /// Contacts of the last frame.
     pub contacts: Option<usize>,
+    /// What all frames' particles have in common.
+    pub found: Found,
     /// Of the worst cell of the worst frame.
     pub balance: Option<f64>,
 }
@@ -79,6 +82,16 @@ impl Account {
             }
         }
         self.results += 1;
+    }
+
+    /// Whether there is a result, and none has mass in its cells.
+    pub fn is_bare(&self) -> bool {
+        self.results > 0 && self.sum.mass_binned <= 0.0
+    }
+
+    /// Whether any result has a particle that counts.
+    pub fn has_particles(&self) -> bool {
+        self.sum.mass_in > 0.0
     }
 
     fn mean(&self) -> CoarseGrainingLedger {

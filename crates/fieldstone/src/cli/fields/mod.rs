@@ -1,6 +1,7 @@
 //! `fieldstone fields`: coarse graining.
 
 mod account;
+mod binned;
 mod cells;
 mod contacts;
 mod faces;
@@ -203,6 +204,12 @@ impl<'a> Run<'a> {
         }
         let radii = settings.radii.as_ref().map(|radii| radii.exactly("radii")).transpose()?;
         let region = settings.region.as_ref().map(|region| region.exactly("region")).transpose()?;
+        let selection = Selection {
+            types: settings.species.as_ref().map(|types| types.0.clone()),
+            radii,
+            region: region.map(|[x0, x1, y0, y1, z0, z1]: [f64; 6]| [[x0, y0, z0], [x1, y1, z1]]),
+        };
+        selection.check().map_err(|e| anyhow!("--radii, --region: {e}"))?;
         Ok(CoarseGrainingOptions {
             function,
             contact_form: settings.stress_form.map(Into::into),
@@ -211,11 +218,7 @@ impl<'a> Run<'a> {
             mean_velocity: settings.mean_velocity.map_or(defaults.mean_velocity, Into::into),
             walls_in_contact_force: settings.walls.map_or(defaults.walls_in_contact_force, Into::into),
             conserve: settings.conserve.unwrap_or(false),
-            selection: Selection {
-                types: settings.species.as_ref().map(|types| types.0.clone()),
-                radii,
-                region: region.map(|[x0, x1, y0, y1, z0, z1]: [f64; 6]| [[x0, y0, z0], [x1, y1, z1]]),
-            },
+            selection,
             particle_density: settings.density,
             ..defaults
         })
@@ -352,6 +355,7 @@ impl<'a> Run<'a> {
             seen.frames += 1;
             seen.particles = frame.particles.len();
             seen.contacts = frame.contacts.as_ref().map(Contacts::len);
+            seen.found.add(&frame.particles);
             bar.inc(1);
             Ok(frame)
         });
@@ -396,11 +400,12 @@ impl<'a> Run<'a> {
             compute(cells, &plan, job.over_time, frames, &mut sink)?;
         }
         bar.finish_and_clear();
+        results.seen = seen.into_inner();
+        self.check_binned(cells, &results)?;
         writer.finish()?;
         if changed.get() && domain.is_some() {
             report::warn("the box changes between frames: periodic images are those of the first frame's box");
         }
-        results.seen = seen.into_inner();
         results.cells = job.cells.count();
         results.gravity = self.gravity;
         results.sign = if settings.sign == Some(Sign::Tension) { "tension" } else { "compression" };
