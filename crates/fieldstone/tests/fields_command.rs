@@ -5,6 +5,7 @@
 mod support;
 
 use std::f64::consts::PI;
+use std::io::Write;
 use std::path::Path;
 
 use fieldstone::io::{CsvTable, read_stat, vtk};
@@ -748,4 +749,30 @@ fn fields_that_hold_nothing_are_refused_with_what_led_to_them() {
         &folder.fails(&format!("fields --particles f_{{}}.csv --frames 1 {unit} --fields density --out out.pvd")),
         &["f_0.csv in the grid: none of the 1 particles lies in the mesh"],
     );
+}
+
+/// Compresses a file of the folder; the name of the result.
+fn compressed(folder: &Folder, name: &str) -> String {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&std::fs::read(folder.path(name)).unwrap()).unwrap();
+    let to = format!("{name}.gz");
+    folder.write(&to, packed.finish().unwrap());
+    to
+}
+
+#[test]
+fn compressed_results_are_plotted_and_told_about_as_plain_ones() {
+    let folder = grains();
+    for out in ["g.vti", "g.csv", "g.stat"] {
+        folder.succeeds(&format!("{GRAINS} --cells 4,4,12 --fields density --out {out}"));
+        folder.succeeds(&format!("plot {out} --field density --profile z --out plain.svg"));
+        let packed = compressed(&folder, out);
+        folder.succeeds(&format!("plot {packed} --field density --profile z --out packed.svg"));
+        let [plain, packed] = ["plain.svg", "packed.svg"].map(|name| std::fs::read(folder.path(name)).unwrap());
+        assert!(plain == packed, "{out}");
+    }
+    assert_eq!(folder.succeeds("info g.vti.gz").stdout, folder.succeeds("info g.vti").stdout);
+    folder.succeeds("plot g.vti.gz --field density");
+    assert!(folder.path("g_density.png").is_file());
+    mentions(&folder.fails("plot part.dump.gz --field density"), &["part.dump.gz: give a .vti"]);
 }

@@ -242,9 +242,17 @@ impl Periodic {
     }
 }
 
-/// Ending of a path in lower case, without `.gz`.
+/// Ending of a path in lower case.
 pub(crate) fn ending(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// Ending of an input's path in lower case, without `.gz`: whether a file is compressed shows in its first bytes.
+pub(crate) fn ending_of_input(path: &Path) -> String {
+    match ending(path).as_str() {
+        "gz" => ending(&path.with_extension("")),
+        other => other.into(),
+    }
 }
 
 #[cfg(test)]

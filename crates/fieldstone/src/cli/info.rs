@@ -11,7 +11,7 @@ use fieldstone::io::{FileKind, ParticleOptions, file_kind, open_particles, read_
 use fieldstone::mesh::{Cells, Mesh};
 use fieldstone::particles::Particles;
 
-use super::arguments::ending;
+use super::arguments::ending_of_input;
 use super::report::{self, number};
 
 /// Tell what is inside a mesh or particle file
@@ -27,7 +27,7 @@ pub(crate) struct Info {
 impl Info {
     pub fn run(self) -> anyhow::Result<()> {
         let mut lines = Lines(String::new());
-        let vtk = ["vtu", "vti", "vtk"].contains(&ending(&self.file).as_str());
+        let vtk = ["vtu", "vti", "vtk"].contains(&ending_of_input(&self.file).as_str());
         if vtk && self.file.is_file() {
             let data = vtk::read_vtk(&self.file)?;
             if let Some(image) = &data.image {

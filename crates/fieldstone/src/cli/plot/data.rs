@@ -7,7 +7,7 @@ use fieldstone::fields::FieldName;
 use fieldstone::io::{CsvTable, DataArray, read_stat, vtk};
 use fieldstone::mesh::{Cells, Mesh};
 
-use crate::cli::arguments::ending;
+use crate::cli::arguments::ending_of_input;
 use crate::cli::fields::mercury_name;
 
 /// Cells that are all combinations of intervals along three coordinates.
@@ -94,7 +94,7 @@ struct Table {
 
 /// Reads a field of the file; of a file over time, at the block or step `frame` (negative from the end).
 pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plotted> {
-    let table = match ending(path).as_str() {
+    let table = match ending_of_input(path).as_str() {
         "vti" | "vtu" => from_vtk(path)?,
         "pvd" => {
             let steps = vtk::read_pvd(path)?;
@@ -103,7 +103,10 @@ pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plott
         }
         "stat" => from_stat(path, frame)?,
         "csv" => from_csv(path, field)?,
-        _ => bail!("{}: give a .vti, .vtu, .pvd, .csv or .stat file that fieldstone fields wrote", path.display()),
+        _ => bail!(
+            "{}: give a .vti, .vtu, .pvd, .csv or .stat file (or one of them as .gz) that fieldstone fields wrote",
+            path.display()
+        ),
     };
     let is = |name: &str, wanted: &str| name == wanted || name == mercury_name(wanted);
     let find = |wanted: &str| table.columns.iter().find(|(name, ..)| is(name, wanted));

@@ -29,7 +29,7 @@ use slice::SlicePicture;
     fieldstone plot chute.vti --field density --profile z --out density.svg\n  \
     fieldstone plot box.stat --field contact_stress --component zz --profile z")]
 pub(crate) struct Plot {
-    /// Result of fieldstone fields: .vti, .vtu, .pvd, .csv or .stat
+    /// Result of fieldstone fields: .vti, .vtu, .pvd, .csv or .stat; .gz too
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Field to show, as in density or contact_stress
@@ -84,7 +84,9 @@ enum Shown {
 impl Plot {
     pub fn run(self) -> anyhow::Result<()> {
         let out = self.out.clone().unwrap_or_else(|| {
-            let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+            let compressed = ending(&self.file) == "gz";
+            let plain = if compressed { self.file.with_extension("") } else { self.file.clone() };
+            let stem = plain.file_stem().unwrap_or_default().to_string_lossy();
             let component = self.component.as_ref().map_or(String::new(), |c| format!("_{c}"));
             self.file.with_file_name(format!("{stem}_{}{component}.png", self.field))
         });
