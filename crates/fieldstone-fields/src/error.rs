@@ -154,11 +154,15 @@ pub enum FieldsError {
         available: String,
     },
     /// A mass is not usable.
-    #[error("particle {particle} has mass {value:?}; masses must be positive and finite")]
+    #[error(
+        "particle {particle}: the column '{column}' holds {value:?}; masses must be positive and finite: correct the file, or give a density for all particles (--density)"
+    )]
     Mass {
         /// Index of the particle, from 0.
         particle: usize,
-        /// Its mass.
+        /// The column that the mass comes from.
+        column: &'static str,
+        /// What it holds.
         value: f64,
     },
     /// Particles are to be selected by type, but have none.

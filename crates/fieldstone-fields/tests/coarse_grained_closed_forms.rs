@@ -514,8 +514,20 @@ fn what_is_missing_is_said() {
     assert!(refused(all(EXACT), &bare, Some(&touching())).contains("velocity"));
     let alone = bare.clone().with_quantity(vectors("velocity", &[[0.0; 3]])).unwrap();
     assert!(refused(some(EXACT), &alone, Some(&touching())).contains("names particle 1, but there are 1"));
-    let negative = bare.with_quantity(Quantity { name: "mass".into(), components: 1, data: vec![-1.0] }).unwrap();
-    assert!(refused(without_density, &negative, Some(&Contacts::new())).contains("mass -1.0"));
+    assert!(refused(without_density.clone(), &bare, Some(&Contacts::new())).contains("(they have: no other columns)"));
+    for (name, value, said) in [
+        ("mass", -1.0, "particle 0: the column 'mass' holds -1.0"),
+        ("density", 0.0, "particle 0: the column 'density' holds 0.0"),
+        ("mass", f64::NAN, "particle 0 has mass = NaN"),
+        ("density", f64::INFINITY, "particle 0 has density = inf"),
+        ("density", 1e-320, "particle 0: the column 'density' holds 1e-320"),
+    ] {
+        let one = bare.clone().with_quantity(Quantity { name: name.into(), components: 1, data: vec![value] }).unwrap();
+        // Its volume of 4e-9 times the smallest of the densities is 0.
+        let one = one.with_uniform_radius(1e-3).unwrap();
+        let message = refused(without_density.clone(), &one, Some(&Contacts::new()));
+        assert!(message.contains(said), "{message}");
+    }
     let line = CoarseGrainingOptions { contact_form: Some(ContactForm::LineIntegral), ..all(EXACT) };
     assert!(refused(line, &two(), None).contains("need a kernel"));
     let typed =

@@ -776,3 +776,17 @@ fn compressed_results_are_plotted_and_told_about_as_plain_ones() {
     assert!(folder.path("g_density.png").is_file());
     mentions(&folder.fails("plot part.dump.gz --field density"), &["part.dump.gz: give a .vti"]);
 }
+
+#[test]
+fn masses_that_cannot_be_are_told_with_file_column_and_value() {
+    let folder = Folder::new();
+    let fields = |header: &str, row: &str, options: &str| {
+        folder.write("b.csv", format!("x,y,z,radius{header}\n0.5,0.5,0.5,0.25{row}\n"));
+        folder.fails(&format!("fields --particles b.csv --cells 2 --out o.vti --fields density,velocity {options}"))
+    };
+    mentions(&fields(",mass", ",nan", ""), &["b.csv, frame 0: particle 0 has mass = NaN"]);
+    mentions(&fields(",mass", ",-1", ""), &["b.csv, frame 0: particle 0: the column 'mass' holds -1.0"]);
+    mentions(&fields(",w", ",-1", "--mass-column w"), &["--mass-column w: b.csv, frame 0: particle 0 has -1"]);
+    mentions(&fields("", "", ""), &["b.csv, frame 0", "(they have: no other columns)"]);
+    mentions(&fields(",mass,vx,vy,vz", ",1,nan,0,0", ""), &["b.csv, frame 0: particle 0 has velocity = NaN"]);
+}

@@ -178,20 +178,28 @@ fn finite(name: &str, data: &[f64], components: usize) -> Result<(), FieldsError
 
 /// Mass of each particle: its own column, else density × volume.
 fn masses(particles: &Particles, volumes: &[f64], density: Option<f64>) -> Result<Vec<f64>, FieldsError> {
-    let masses = if let Some(density) = density {
-        volumes.iter().map(|v| v * density).collect()
-    } else if let Ok(masses) = column(particles, "mass", 1) {
-        masses.to_vec()
-    } else if let Ok(densities) = column(particles, "density", 1) {
-        volumes.iter().zip(densities).map(|(v, d)| v * d).collect()
-    } else {
-        return Err(FieldsError::NoMass {
-            available: particles.quantities().iter().map(|q| q.name.as_str()).collect::<Vec<_>>().join(", "),
-        });
+    if let Some(density) = density {
+        return Ok(volumes.iter().map(|v| v * density).collect());
+    }
+    let has = |name: &str| particles.quantity(name).is_ok();
+    // A column that is there and cannot be used is no reason to look for another one.
+    let Some(name) = ["mass", "density"].into_iter().find(|name| has(name)) else {
+        let names: Vec<&str> = particles.quantities().iter().map(|q| q.name.as_str()).collect();
+        let available = if names.is_empty() { "no other columns".into() } else { names.join(", ") };
+        return Err(FieldsError::NoMass { available });
     };
-    match masses.iter().position(|m: &f64| !(m.is_finite() && *m > 0.0)) {
+    let values = column(particles, name, 1)?;
+    if let Some(particle) = values.iter().position(|x| *x <= 0.0) {
+        return Err(FieldsError::Mass { particle, column: name, value: values[particle] });
+    }
+    let masses: Vec<f64> = match name {
+        "mass" => values.to_vec(),
+        _ => volumes.iter().zip(values).map(|(v, d)| v * d).collect(),
+    };
+    // Products of numbers that are positive and finite may be neither.
+    match masses.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
         None => Ok(masses),
-        Some(particle) => Err(FieldsError::Mass { particle, value: masses[particle] }),
+        Some(particle) => Err(FieldsError::Mass { particle, column: name, value: values[particle] }),
     }
 }
 

@@ -54,6 +54,12 @@ impl Frame {
                     found.components
                 );
             }
+            if let Some(k) = found.data.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
+                bail!(
+                    "--mass-column {column}: {name}: particle {k} has {}; masses must be positive and finite",
+                    found.data[k]
+                );
+            }
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;
         }
