@@ -23,7 +23,12 @@ pub(crate) enum Fault {
     NotFinite { column: usize, value: f64 },
     Radius { column: usize, value: f64 },
     Differs { column: usize, earlier: usize },
+    Sizes { radius: (usize, f64), diameter: (usize, f64) },
 }
+
+/// Share by which a diameter may differ from twice the radius: files are written with few digits, and wrong columns are
+/// off by factors.
+const SIZES_AGREE: f64 = 1e-3;
 
 impl Fault {
     /// What was found, and what to do.
@@ -57,6 +62,16 @@ impl Fault {
             Self::Differs { column, earlier } => (
                 format!("{} holds another value than column {} of the same name", name(column), earlier + 1),
                 "rename one of the two columns".into(),
+            ),
+            Self::Sizes { radius, diameter } => (
+                format!(
+                    "{} is {} and {} is {}, which is not twice as much",
+                    name(&radius.0),
+                    radius.1,
+                    name(&diameter.0),
+                    diameter.1
+                ),
+                "remove or rename the one that is wrong".into(),
             ),
         }
     }
@@ -120,6 +135,13 @@ impl Assembly {
             // The product is checked too: half of the smallest diameter is 0.
             if !(value.is_finite() && factor * value > 0.0) {
                 return Err(Fault::Radius { column, value });
+            }
+            if let Some(other) = columns.diameter.filter(|&other| columns.cells[other] == Cell::Number) {
+                let diameter = row.numbers[other];
+                // An empty field is no number, and says nothing against the radius.
+                if (diameter - 2.0 * value).abs() > SIZES_AGREE * 2.0 * value {
+                    return Err(Fault::Sizes { radius: (column, value), diameter: (other, diameter) });
+                }
             }
             self.radii.push(factor * value);
         }

@@ -43,6 +43,8 @@ pub(crate) struct Columns {
     pub(crate) position: [usize; 3],
     scaled: bool,
     pub(crate) radius: Option<(usize, f64)>,
+    /// A column that states the diameter beside the one that the radius is read from.
+    pub(crate) diameter: Option<usize>,
     pub(crate) id: Option<usize>,
     pub(crate) kind: Option<usize>,
     pub(crate) groups: Vec<Group>,
@@ -140,6 +142,11 @@ impl Columns {
         let any = |aliases: &[&str], free: &[bool]| aliases.iter().find_map(|alias| find(alias, free));
         let radius =
             any(naming.radii, &free).map(|c| (c, 1.0)).or_else(|| any(naming.diameters, &free).map(|c| (c, 0.5)));
+        // Short names beside a radius may be anything: r a distance from an axis, d one from a wall.
+        let spelt_out = |column: usize| ["radius", "rad"].iter().any(|name| names[column].eq_ignore_ascii_case(name));
+        let diameter = radius
+            .filter(|&(column, _)| spelt_out(column))
+            .and_then(|_| ["diameter", "diam"].iter().find_map(|name| find(name, &free)));
         let id = any(&["id"], &free);
         let kind = any(naming.types, &free);
         for column in [radius.map(|r| r.0), id, kind].into_iter().flatten() {
@@ -196,7 +203,7 @@ impl Columns {
             cells[column] = cells[earlier];
             needed[column] = needed[earlier];
         }
-        Ok(Self { names, cells, needed, position, scaled, radius, id, kind, groups, repeated })
+        Ok(Self { names, cells, needed, position, scaled, radius, diameter, id, kind, groups, repeated })
     }
 
     /// Whether the coordinates are fractions of the box.

@@ -122,7 +122,7 @@ fn coordinates_are_taken_plain_then_unwrapped_then_scaled() {
 #[test]
 fn sizes_are_taken_from_radius_before_diameter_before_d() {
     for (names, rows, expected) in [
-        ("x y z diameter radius", "0 0 0 8 3", 3.0),
+        ("x y z diameter radius", "0 0 0 6.001 3", 3.0),
         ("x y z d diameter", "0 0 0 2 8", 4.0),
         ("x y z d", "0 0 0 2", 1.0),
     ] {

@@ -415,3 +415,26 @@ fn a_function_that_reads_a_file_makes_a_reader_of_one_frame() {
     let mut reader = OneFrame::new(&file.path, read);
     assert!(reader.skip_frame().unwrap() && !reader.skip_frame().unwrap());
 }
+
+#[test]
+fn a_diameter_that_is_not_twice_the_radius_beside_it_is_refused_with_line_and_values() {
+    let message = refused("x,y,z,radius,diameter\n0,0,0,1,2\n1,0,0,1,1\n");
+    for part in ["particles.txt:3", "'radius' is 1", "'diameter' is 1, which is not twice as much", "remove or rename"]
+    {
+        assert!(message.contains(part), "{message}");
+    }
+    let dump = |diameter: f64| {
+        format!(
+            "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+             ITEM: ATOMS id x y z radius diameter\n1 .5 .5 .5 .1 {diameter}\n"
+        )
+    };
+    let message = refused(dump(0.1));
+    assert!(message.contains("particles.txt:10") && message.contains("is 0.1, which is not twice"), "{message}");
+    // Few digits, empty fields and words are no contradiction, and short names may be something else.
+    assert_eq!(read(dump(0.2)).0.radii().unwrap(), [0.1]);
+    assert_eq!(read("x,y,z,radius,diameter\n0,0,0,0.3333,0.6667\n").0.radii().unwrap(), [0.3333]);
+    assert_eq!(read("x,y,z,radius,diameter\n0,0,0,1,\n").0.radii().unwrap(), [1.0]);
+    assert_eq!(read("x,y,z,radius,diameter\n0,0,0,1,large\n").0.radii().unwrap(), [1.0]);
+    assert_eq!(read("x,y,z,radius,d\n0,0,0,1,7\n").0.radii().unwrap(), [1.0]);
+}
