@@ -221,6 +221,23 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     folder.succeeds("fields run.toml --out a.vti");
     assert_eq!(vtk::read_vtk(&folder.path("a.vti")).unwrap().skipped, ["fieldstone"]);
 
+    // One number stands for a list of one, as on the command line.
+    let single = "particles = \"box.data\"\ncells = 2\nspecies = 0\nframes = 1\ndensity = 2\nfields = \"density\"\n";
+    folder.write("single.toml", single);
+    folder.succeeds("fields single.toml --out single.vti");
+    folder.succeeds(
+        "fields --particles box.data --cells 2 --species 0 --frames 1 --density 2 --fields density --out l.vti",
+    );
+    assert_eq!(column(&folder, "single.vti", "density"), column(&folder, "l.vti", "density"));
+    for (wrong, reason) in [
+        ("cells = 2.5", "bad.toml:1: invalid type: floating point `2.5`"),
+        ("cells = -2", "bad.toml:1: invalid value: integer `-2`"),
+        ("cells = \"2\"", "expected a number or a list of numbers"),
+        ("frames = true", "expected a string or a whole number"),
+    ] {
+        folder.write("bad.toml", wrong);
+        mentions(&folder.fails("fields bad.toml"), &[reason]);
+    }
     folder.write("bad.toml", "particles = \"box.data\"\nwidht = 1\n");
     mentions(&folder.fails("fields bad.toml"), &["bad.toml:2: unknown key `widht`", "`width`", "`stress-form`"]);
     folder.write("bad.toml", "particles = \"box.data\"\n\nwidth = \"wide\"\n");

@@ -1,6 +1,7 @@
 //! Everything that `fieldstone fields` can be told, on the command line or in a TOML file.
 
 use std::fmt;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -8,15 +9,71 @@ use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::fields::{ContactForm, KernelShape, MeanVelocity, Method, QuantityKind, SignConvention};
 use fieldstone::io::vtk::{VtkCompression, VtkEncoding, VtkFormat};
-use serde::{Deserialize, Serialize};
+use serde::de::{self, IntoDeserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::contacts::ContactSources;
 use crate::cli::arguments::positive;
 
-/// Numbers: separated by commas on the command line, a list in TOML.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Numbers: separated by commas on the command line, a list in TOML, or one number in either.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Numbers<T>(pub Vec<T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Numbers<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMore<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrMore<T> {
+            type Value = Numbers<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a list of numbers")
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
+                T::deserialize(number.into_deserializer()).map(|one| Numbers(vec![one]))
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
+                T::deserialize(number.into_deserializer()).map(|one| Numbers(vec![one]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+                let mut numbers = Vec::new();
+                while let Some(number) = list.next_element()? {
+                    numbers.push(number);
+                }
+                Ok(Numbers(numbers))
+            }
+        }
+
+        deserializer.deserialize_any(OneOrMore(PhantomData))
+    }
+}
+
+/// Text in TOML, where the command line takes one number as it stands: `frames = 3`.
+fn text_or_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    struct TextOrNumber;
+
+    impl Visitor<'_> for TextOrNumber {
+        type Value = Option<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a string or a whole number")
+        }
+
+        fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
+            Ok(Some(number.to_string()))
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+            Ok(Some(text.into()))
+        }
+    }
+
+    deserializer.deserialize_any(TextOrNumber)
+}
 
 impl<T: FromStr> FromStr for Numbers<T> {
     type Err = String;
@@ -295,6 +352,7 @@ pub(crate) struct Settings {
     ///
     /// Default: all for .pvd, .stat, --average and --smooth; else the last one.
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    #[serde(deserialize_with = "text_or_number")]
     pub frames: Option<String>,
     /// One result: the mean over the frames
     #[arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "smooth")]
