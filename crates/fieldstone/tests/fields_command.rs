@@ -807,3 +807,19 @@ fn masses_that_cannot_be_are_told_with_file_column_and_value() {
     mentions(&fields("", "", ""), &["b.csv, frame 0", "(they have: no other columns)"]);
     mentions(&fields(",mass,vx,vy,vz", ",1,nan,0,0", ""), &["b.csv, frame 0: particle 0 has velocity = NaN"]);
 }
+
+#[test]
+fn an_unknown_mean_of_a_quantity_is_told_with_those_that_there_are() {
+    let folder = Folder::new();
+    folder.write("b.csv", "x,y,z,radius,mass,s:0\n0.5,0.5,0.5,0.25,2,7\n");
+    let fields = "fields --particles b.csv --cells 2 --fields density --out o.vti";
+    mentions(
+        &folder.fails(&format!("{fields} --quantity m=mass:avg")),
+        &["there is no column 'mass:avg'", "if 'avg' is no part", "choose one of sum, mass-mean, volume-mean"],
+    );
+    // Names of columns may hold a colon themselves.
+    folder.succeeds(&format!("{fields} --quantity m=s:0 --quantity n=s:0:mass-mean"));
+    assert_eq!(column(&folder, "o.vti", "n")[0], 7.0);
+    let message = folder.fails(&format!("{fields} --quantity m=weight"));
+    assert!(message.contains("'weight'") && !message.contains("choose one of sum"), "{message}");
+}

@@ -421,7 +421,7 @@ impl<'a> Run<'a> {
         let make = |asked: &settings::QuantityName| {
             let columns: Vec<&str> = asked.columns.iter().map(String::as_str).collect();
             let quantity = UserQuantity::of_columns(&asked.name, &columns, asked.kind, &first.particles)
-                .map_err(|e| anyhow!("--quantity {asked}: {}: {e}", first.name))?;
+                .map_err(|e| anyhow!("--quantity {asked}: {}: {e}{}", first.name, asked.kind_hint()))?;
             if !matches!(quantity.columns.len(), 1 | 3 | 6 | 9) {
                 bail!(
                     "--quantity {asked}: {}: the columns hold {} numbers per particle, which is neither a scalar (1), a \

@@ -159,6 +159,17 @@ impl FromStr for QuantityName {
     }
 }
 
+impl QuantityName {
+    /// What a colon in the last column's name may have been meant for.
+    pub fn kind_hint(&self) -> String {
+        let kind = self.columns.last().and_then(|column| column.rsplit_once(':')).map(|(_, kind)| kind.trim());
+        kind.map_or(String::new(), |kind| {
+            let known: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
+            format!("; if '{kind}' is no part of a column's name, choose one of {}", known.join(", "))
+        })
+    }
+}
+
 impl fmt::Display for QuantityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = KINDS.iter().find(|(_, kind)| *kind == self.kind).map_or("sum", |(name, _)| *name);
