@@ -204,7 +204,7 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     let read = |file: &str, name: &str| CsvTable::read(&folder.path(file)).unwrap().column(name).unwrap();
     assert_eq!(read("a.csv", "contact_stress_zz")[0], -2.5);
     assert_eq!(read("b.csv", "contact_stress_zz")[0], 2.5);
-    assert!((read("a.csv", "speed_velocity[0]")[0] - 3.0).abs() < 1e-14);
+    assert!((read("a.csv", "speed_x")[0] - 3.0).abs() < 1e-14);
     // The echo is itself a file of settings.
     let text = std::fs::read_to_string(folder.path("a.csv")).unwrap();
     let echo: Vec<&str> =
@@ -822,4 +822,26 @@ fn an_unknown_mean_of_a_quantity_is_told_with_those_that_there_are() {
     assert_eq!(column(&folder, "o.vti", "n")[0], 7.0);
     let message = folder.fails(&format!("{fields} --quantity m=weight"));
     assert!(message.contains("'weight'") && !message.contains("choose one of sum"), "{message}");
+}
+
+#[test]
+fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
+    let folder = Folder::new();
+    folder.write("b.csv", "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,2,1,2,3\n0.5,0.5,1.5,0.25,2,1,2,3\n");
+    let fields = "fields --particles b.csv --grid 0,1,0,1,0,2 --cells 1,1,2 --fields density --out o.csv";
+    folder.succeeds(&format!("{fields} --quantity ke=velocity:mass-mean"));
+    let table = CsvTable::read(&folder.path("o.csv")).unwrap();
+    for (name, value) in [("ke_x", 1.0), ("ke_y", 2.0), ("ke_z", 3.0)] {
+        assert_eq!(table.column(name).unwrap(), [value, value], "{name}");
+    }
+    folder.succeeds(&format!("{fields} --quantity ke=velocity:mass-mean --quantity s=velocity,velocity:mass-mean"));
+    assert_eq!(CsvTable::read(&folder.path("o.csv")).unwrap().column("s_4").unwrap(), [2.0, 2.0]);
+    for (options, name) in [
+        ("--field ke --component z", "ke z"),
+        ("--field ke_z", "ke z, mean by volume"),
+        ("--field s --component 4", "s 4"),
+    ] {
+        folder.succeeds(&format!("plot o.csv {options} --profile z --out p.svg"));
+        mentions(&std::fs::read_to_string(folder.path("p.svg")).unwrap(), &[name]);
+    }
 }

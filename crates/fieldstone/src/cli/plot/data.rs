@@ -114,7 +114,8 @@ pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plott
         let names: Vec<&str> = table.columns.iter().map(|(name, ..)| name.as_str()).collect();
         bail!("{}: there is no field '{field}'; it has {}", path.display(), names.join(", "))
     };
-    let known = FieldName::ALL.iter().find(|known| is(name, known.name()) && known.components().len() == *count);
+    let of_all = without_species(name);
+    let known = FieldName::ALL.iter().find(|known| is(of_all, known.name()) && known.components().len() == *count);
     let components = match known {
         Some(known) => known.components().iter().map(|c| (*c).to_string()).collect(),
         None => default_components(*count),
@@ -123,11 +124,18 @@ pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plott
     Ok(Plotted { components, data: data.clone(), density, volumes: table.volumes, places: table.places })
 }
 
+/// The name of the field of all particles that a species has one of its own of: `density` for `density_species_2`, and
+/// for MercuryCG's `DensitySpecies2` the same.
+fn without_species(name: &str) -> &str {
+    let parts = name.rsplit_once("_species_").or_else(|| name.rsplit_once("Species"));
+    parts.filter(|(_, species)| species.parse::<i64>().is_ok()).map_or(name, |(of_all, _)| of_all)
+}
+
+/// Names of the components of a field that nothing is known of; those of six stand in no agreed order.
 fn default_components(count: usize) -> Vec<String> {
     let names: &[&str] = match count {
         1 => &[""],
         3 => &["x", "y", "z"],
-        6 => &["xx", "xy", "xz", "yy", "yz", "zz"],
         9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
         _ => return (0..count).map(|k| k.to_string()).collect(),
     };
