@@ -1,6 +1,7 @@
 //! Which frames of a series to read, and which files they are in.
 
 use std::cmp::Ordering;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -58,7 +59,41 @@ impl FromStr for FrameRange {
     }
 }
 
+/// As it is parsed: `start:stop:step`, or the number of a single frame.
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { start, stop, step } = *self;
+        if step == 1 && stop == start.checked_add(1).filter(|&next| next != 0) {
+            return write!(f, "{start}");
+        }
+        write!(f, "{start}:{}", stop.map_or(String::new(), |stop| stop.to_string()))?;
+        if step == 1 { Ok(()) } else { write!(f, ":{step}") }
+    }
+}
+
 impl FrameRange {
+    /// Why none of `count` frames is in this range, and which there are; as part of a sentence.
+    ///
+    /// ```
+    /// use fieldstone_io::FrameRange;
+    /// let range: FrameRange = "3:1".parse()?;
+    /// assert_eq!(range.why_empty(4), "none of the 4 frames, 0 to 3, is in the range 3:1, which ends before it begins");
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn why_empty(&self, count: usize) -> String {
+        if count == 0 {
+            return "there are no frames".into();
+        }
+        let there = match count {
+            1 => "the only frame, 0, is not".to_string(),
+            _ => format!("none of the {count} frames, 0 to {}, is", count - 1),
+        };
+        // Bounds from either end are compared where the number of frames is known.
+        let stop = self.stop.filter(|stop| (*stop < 0) == (self.start < 0));
+        let reversed = if stop.is_some_and(|stop| stop <= self.start) { ", which ends before it begins" } else { "" };
+        format!("{there} in the range {self}{reversed}")
+    }
+
     /// Whether a bound counts from the end, so that the number of frames has to be known: see [`FrameRange::counted`].
     pub fn from_the_end(&self) -> bool {
         self.start < 0 || self.stop.is_some_and(|stop| stop < 0)
@@ -221,6 +256,29 @@ mod tests {
     fn ranges_that_are_none_say_what_one_looks_like() {
         for bad in ["", "a", "1:2:3:4", "1:2:0", "1:2:-1", "1.5"] {
             assert!(bad.parse::<FrameRange>().unwrap_err().contains("10:20"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn ranges_are_written_as_they_are_read() {
+        for text in ["3", "0", "-2", "-1", "3:1", "1:5", "1:5:2", "0:", "-1:0", "-3:-1", "2::3"] {
+            let range: FrameRange = text.parse().unwrap();
+            let shown = range.to_string();
+            assert_eq!(shown.parse::<FrameRange>(), Ok(range), "{text} {shown}");
+            assert_eq!(shown, text);
+        }
+    }
+
+    #[test]
+    fn an_empty_range_tells_which_frames_there_are() {
+        for (range, count, expected) in [
+            ("5", 3, "none of the 3 frames, 0 to 2, is in the range 5"),
+            ("-4", 3, "none of the 3 frames, 0 to 2, is in the range -4"),
+            ("5:9", 1, "the only frame, 0, is not in the range 5:9"),
+            ("-1:-3", 4, "none of the 4 frames, 0 to 3, is in the range -1:-3, which ends before it begins"),
+            ("3:1", 0, "there are no frames"),
+        ] {
+            assert_eq!(range.parse::<FrameRange>().unwrap().why_empty(count), expected);
         }
     }
 

@@ -183,7 +183,11 @@ impl Series {
         }
     }
 
-    fn count_frames(&self) -> Result<usize, IoError> {
+    /// How many frames the files hold, whatever the range: all of them are gone through.
+    ///
+    /// # Errors
+    /// As reading the frames.
+    pub fn count_frames(&self) -> Result<usize, IoError> {
         let mut count = 0;
         for path in &self.files {
             let mut reader = open_particles(path, &self.options)?;

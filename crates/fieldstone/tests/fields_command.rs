@@ -188,7 +188,12 @@ fn series_become_one_file_per_frame_a_mean_or_a_smoothed_mean() {
     let message = folder.fails(&format!("{MERCURY} --frames : --out two.vti"));
     mentions(&message, &["two.vti: the frames give several results", ".pvd or .stat", "--average"]);
     let message = folder.fails(&format!("{MERCURY} --frames 5: --out two.pvd"));
-    mentions(&message, &["box.data: none of its frames is in the range"]);
+    mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the range 5:; check --frames"]);
+    for (range, reason) in [("5", "range 5;"), ("-3", "range -3;"), ("1:0", "range 1:0, which ends before it begins;")]
+    {
+        let message = folder.fails(&format!("{MERCURY} --frames={range} --out two.pvd"));
+        mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the", reason]);
+    }
 }
 
 #[test]

@@ -182,7 +182,7 @@ fn bad_arguments_and_files_are_refused_with_the_remedy() {
         (format!("{base} --theta 95 --out out.vtp"), &["--theta", "95", "below 90"]),
         (format!("{base} --boundary kind=1 --out out.vtp"), &["--boundary kind", "fluid.csv", "pressure"]),
         (format!("{base} --periodic x --out out.vtp"), &["--periodic", "--box"]),
-        (format!("{base} --frames 7 --out out.vtp"), &["no such frame"]),
+        (format!("{base} --frames 7 --out out.vtp"), &["the only frame, 0, is not in the range 7"]),
         ("detect --particles nan.csv --spacing 1 --out out.vtp".into(), &["nan.csv"]),
         ("detect --particles two.csv --out out.vtp".into(), &["two.csv: 2 particles are too few", "--spacing"]),
         ("surface --particles fluid.csv --spacing 0.1 --out out.stp".into(), &[".vtp, .ply, .obj or .stl"]),
@@ -349,6 +349,20 @@ fn numbered_results_never_take_the_name_of_an_input() {
             &["could overwrite fluid.csv"],
         );
     }
+}
+
+#[test]
+fn frames_that_are_not_there_are_told_with_those_that_are() {
+    let folder = folder();
+    for number in ["0010", "0020", "0030"] {
+        folder.copy(&folder.path("fluid.csv"), &format!("Part_{number}.csv"));
+    }
+    let detect = "detect --particles Part_{}.csv --spacing 0.1 --out lab_{}.csv --labels-only";
+    mentions(
+        &folder.fails(&format!("{detect} --frames 10")),
+        &["none of the 3 frames, 0 to 2, is in the range 10", "0 is in Part_0010.csv", "--frames"],
+    );
+    mentions(&folder.fails(&format!("{detect} --frames 3:1")), &["range 3:1, which ends before it begins"]);
 }
 
 #[test]

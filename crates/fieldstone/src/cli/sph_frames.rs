@@ -77,8 +77,8 @@ fn wall(text: &str) -> Result<Wall, String> {
 }
 
 impl SphArguments {
-    /// The frames, read ahead on a thread of their own: as many as are worked on at the same time.
-    fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
+    /// The files, in their order, and which of their frames are asked for.
+    fn files_and_range(&self, out: &NumberedOutput) -> anyhow::Result<(Vec<PathBuf>, FrameRange)> {
         let files = find_files(&self.particles)?;
         let range = match self.frames {
             Some(range) => range,
@@ -90,6 +90,12 @@ impl SphArguments {
             ),
             None => "-1".parse::<FrameRange>().map_err(|e| anyhow!(e))?,
         };
+        Ok((files, range))
+    }
+
+    /// The frames, read ahead on a thread of their own: as many as are worked on at the same time.
+    fn series(&self, out: &NumberedOutput) -> anyhow::Result<BackgroundSeries> {
+        let (files, range) = self.files_and_range(out)?;
         // Ellipsoids and clumps are no matter where only centres count.
         let options = ParticleOptions { allow_non_spherical: true };
         Ok(Series::new(files, options).with_range(range).in_background(rayon::current_num_threads())?)
@@ -152,7 +158,15 @@ impl SphArguments {
             report::warn(warning);
         }
         if outcomes.is_empty() {
-            bail!("--particles {}: there is no such frame; choose others with --frames", self.particles);
+            let (files, range) = self.files_and_range(out)?;
+            let first = files[0].display().to_string();
+            let count = Series::new(files, ParticleOptions { allow_non_spherical: true }).count_frames()?;
+            bail!(
+                "--particles {}: {}; frames count in the order of the input, of which 0 is in {first}: choose others with \
+                 --frames",
+                self.particles,
+                range.why_empty(count)
+            );
         }
         Ok((outcomes, paths))
     }

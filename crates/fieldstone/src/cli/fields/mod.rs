@@ -275,7 +275,8 @@ impl<'a> Run<'a> {
         let over_time = self.over_time()?;
         let mut series = self.series(true).in_background(rayon::current_num_threads())?;
         let Some(first) = series.next().transpose()? else {
-            bail!("{}: none of its frames is in the range; check --frames", self.files[0].display())
+            let count = self.series(false).count_frames()?;
+            bail!("{}: {}; check --frames", self.files[0].display(), self.range.why_empty(count))
         };
         let first = Frame::new(self.settings, restart.as_ref(), first)?;
         first.particles.radii().map_err(|e| anyhow!("{}: {e}; give one for all with --radius", first.name))?;
