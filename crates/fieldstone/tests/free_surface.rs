@@ -123,7 +123,7 @@ fn a_sequence_gives_one_file_per_frame_and_a_table() {
         folder.copy(&folder.path(source), &format!("part_{number}.csv"));
     }
     let run = folder.succeeds("detect --particles part_{}.csv --spacing 0.1 --out found_{}.vtp --json all.json");
-    mentions(&run.stdout, &["found_0.vtp … found_1.vtp, 2 files"]);
+    mentions(&run.stdout, &["found_0.vtp from part_9.csv\n", "found_1.vtp from part_10.csv\n"]);
     let all = json(&folder, "all.json");
     assert_eq!((all[0]["file"].as_str(), all[0]["particles"].as_u64()), (Some("part_9.csv"), Some(1000)));
     assert_eq!(all[1]["particles"], 1100);
@@ -363,6 +363,11 @@ fn frames_that_are_not_there_are_told_with_those_that_are() {
         &["none of the 3 frames, 0 to 2, is in the range 10", "0 is in Part_0010.csv", "--frames"],
     );
     mentions(&folder.fails(&format!("{detect} --frames 3:1")), &["range 3:1, which ends before it begins"]);
+    // Results bear the count of the frame, and the account says of which file they are.
+    let account = folder.succeeds(detect).stdout;
+    let lines = ["lab_0.csv from Part_0010.csv", "lab_1.csv from Part_0020.csv", "lab_2.csv from Part_0030.csv"];
+    mentions(&account, &[&format!("written to           {}\n", lines.join(&format!("\n{:21}", "")))]);
+    mentions(&folder.succeeds("detect --help").stdout, &["Part_0010 and Part_0020 the first is frame 0"]);
 }
 
 #[test]

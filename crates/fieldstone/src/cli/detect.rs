@@ -58,7 +58,7 @@ pub(crate) struct Detect {
     /// Leave level and normal out
     #[arg(long, conflicts_with = "exposure")]
     labels_only: bool,
-    /// Result: .vtp or .csv; {} in its name stands for the number of the frame
+    /// Result: .vtp or .csv; {} in its name stands for the number of the frame, from 0
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON: of a list of frames where --out holds {}

@@ -55,7 +55,7 @@ pub(crate) struct GridFields {
     /// Only the plane at this position, e.g. y=0.15
     #[arg(long, value_name = "AXIS=POSITION", conflicts_with = "conserve")]
     slice: Option<Slice>,
-    /// Result: .vti; {} in its name stands for the number of the frame
+    /// Result: .vti; {} in its name stands for the number of the frame, from 0
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
 }

@@ -24,6 +24,9 @@ const PARTICLES_TOGETHER: usize = 1_000_000;
 pub(crate) struct SphArguments {
     /// Particles: BGEO, VTK (.vtu, .vtp, .vtk), PLY, XYZ, CSV, dumps; .gz too. A pattern for many: {} stands for a number,
     /// * for any text
+    ///
+    /// Frames are counted from 0 in the order of the files, those with smaller numbers first: of Part_0010 and Part_0020
+    /// the first is frame 0. --frames and {} in --out go by this count, not by the numbers in the files' names.
     #[arg(long, value_name = "FILE|PATTERN")]
     pub particles: String,
     /// Frames to take, START:STOP:STEP or one number, from 0; negative ones count from the end [default: all where --out
@@ -109,7 +112,7 @@ impl SphArguments {
         &self,
         out: &NumberedOutput,
         work: impl Fn(&SeriesFrame, &Path, f64) -> anyhow::Result<T> + Sync,
-    ) -> anyhow::Result<(Vec<T>, Vec<PathBuf>)> {
+    ) -> anyhow::Result<(Vec<T>, Vec<Written>)> {
         let mut series = self.series(out)?;
         let (mut outcomes, mut paths) = (Vec::new(), Vec::new());
         let style = ProgressStyle::with_template("{spinner} {pos} frames in {elapsed}, {msg}")?;
@@ -125,7 +128,7 @@ impl SphArguments {
                     Ok(frame) => {
                         let path = out.at(frame.index);
                         particles += frame.particles.len();
-                        paths.push(path.clone());
+                        paths.push(Written { from: frame.path.clone(), to: path.clone() });
                         together.push((frame, path, begun.elapsed().as_secs_f64()));
                     }
                     Err(error) => {
@@ -363,11 +366,32 @@ impl NumberedOutput {
     }
 }
 
-/// Where a result table or report mentions a frame.
-pub(crate) fn written(paths: &[PathBuf]) -> String {
-    match paths {
-        [] => "nothing".into(),
-        [one] => one.display().to_string(),
-        [first, .., last] => format!("{} … {}, {} files", first.display(), last.display(), paths.len()),
+/// A result, and the file whose frame it is of.
+#[derive(Debug, Clone)]
+pub(crate) struct Written {
+    from: PathBuf,
+    to: PathBuf,
+}
+
+/// Results that are named one by one; of more of them the first and the last.
+const NAMED: usize = 12;
+
+/// Where results went. The numbers in names are counts of frames, which need not be those in the names of the input: with
+/// several files of it each result is told with its own.
+pub(crate) fn written(results: &[Written]) -> String {
+    let (first, last) = match results {
+        [] => return "nothing".into(),
+        [one] => return one.to.display().to_string(),
+        [first, .., last] => (first, last),
+    };
+    if results.iter().all(|result| result.from == first.from) {
+        return format!("{} … {}, {} files", first.to.display(), last.to.display(), results.len());
     }
+    let line = |result: &Written| format!("{} from {}", result.to.display(), result.from.display());
+    let lines: Vec<String> = if results.len() <= NAMED {
+        results.iter().map(line).collect()
+    } else {
+        vec![line(first), format!("… {} files …", results.len()), line(last)]
+    };
+    lines.join(&format!("\n{:21}", ""))
 }

@@ -38,7 +38,7 @@ pub(crate) struct Surface {
     /// Columns of the particles to interpolate to the surface, for .vtp and .ply
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     fields: Vec<String>,
-    /// Result: .vtp, .ply, .obj or .stl; {} in its name stands for the number of the frame
+    /// Result: .vtp, .ply, .obj or .stl; {} in its name stands for the number of the frame, from 0
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON: of a list of frames where --out holds {}
