@@ -850,3 +850,25 @@ fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
         mentions(&std::fs::read_to_string(folder.path("p.svg")).unwrap(), &[name]);
     }
 }
+
+#[test]
+fn the_last_frame_has_no_displacement_and_is_not_counted() {
+    let folder = Folder::new();
+    for (number, x) in [(0, 0.4), (1, 0.5), (2, 0.6)] {
+        folder.write(&format!("f_{number}.csv"), format!("id,x,y,z,radius,mass\n1,{x},0.5,0.5,0.1,1\n"));
+    }
+    let fields = "fields --particles f_{}.csv --grid 0,1,0,1,0,1 --cells 1 --fields density,displacement";
+    let run = folder.succeeds(&format!("{fields} --out s.pvd --json s.json"));
+    mentions(&run.stdout, &["frames               2\n"]);
+    mentions(&run.stderr, &["warning: f_2.csv, frame 2: there is no next frame to be displaced to"]);
+    mentions(&std::fs::read_to_string(folder.path("s.json")).unwrap(), &["\"frames\": 2"]);
+    assert_eq!(vtk::read_pvd(&folder.path("s.pvd")).unwrap().len(), 2);
+    // By default one result comes of the last two frames, and nothing is missing.
+    let run = folder.succeeds(&format!("{fields} --out s.vti"));
+    mentions(&run.stdout, &["frames               1\n"]);
+    assert_eq!(run.stderr, "");
+    mentions(
+        &folder.fails(&format!("{fields} --frames 2 --out t.vti")),
+        &["f_2.csv, frame 2: displacements are those to the next frame", "give at least two (--frames)"],
+    );
+}

@@ -14,6 +14,8 @@ use crate::cli::report::number;
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     pub frames: usize,
+    /// File and number of the last frame.
+    pub last: String,
     /// Particles of the last frame.
     pub particles: usize,
     /// Contacts of the last frame.

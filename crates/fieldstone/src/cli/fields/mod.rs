@@ -228,10 +228,14 @@ impl<'a> Run<'a> {
         self.options.fields.iter().any(|field| field.needs_displacement())
     }
 
+    /// Whether the result is that of one frame.
+    fn one_frame(&self) -> bool {
+        !self.format.is_series() && self.settings.average != Some(true) && self.settings.smooth.is_none()
+    }
+
     fn range(&self) -> anyhow::Result<FrameRange> {
-        let settings = self.settings;
-        let one_frame = !self.format.is_series() && settings.average != Some(true) && settings.smooth.is_none();
-        let text = match settings.frames.as_deref() {
+        let one_frame = self.one_frame();
+        let text = match self.settings.frames.as_deref() {
             Some(text) => text,
             None if one_frame && self.displaced() => "-2:",
             None if one_frame => "-1",
@@ -357,6 +361,7 @@ impl<'a> Run<'a> {
             seen.particles = frame.particles.len();
             seen.contacts = frame.contacts.as_ref().map(Contacts::len);
             seen.found.add(&frame.particles);
+            seen.last = frame.name.clone();
             bar.inc(1);
             Ok(frame)
         });
@@ -402,6 +407,9 @@ impl<'a> Run<'a> {
         }
         bar.finish_and_clear();
         results.seen = seen.into_inner();
+        if self.displaced() {
+            self.leave_out_the_last(&mut results.seen)?;
+        }
         self.check_binned(cells, &results)?;
         writer.finish()?;
         if changed.get() && domain.is_some() {
@@ -434,6 +442,23 @@ impl<'a> Run<'a> {
             Ok(quantity)
         };
         self.settings.quantities.iter().map(make).collect()
+    }
+
+    /// Takes the last frame, which has no displacements, out of those that the result is of.
+    fn leave_out_the_last(&self, seen: &mut Seen) -> anyhow::Result<()> {
+        if seen.frames < 2 {
+            bail!(
+                "--fields: {}: displacements are those to the next frame, and there is no frame after it; give at least two \
+                 (--frames)",
+                seen.last
+            );
+        }
+        seen.frames -= 1;
+        // One result by default is that of the last two frames: nothing that was asked for is missing.
+        if self.settings.frames.is_some() || !self.one_frame() {
+            report::warn(&format!("{}: there is no next frame to be displaced to, so it is in no result", seen.last));
+        }
+        Ok(())
     }
 
     /// Numbers per cell in the result.
