@@ -182,6 +182,6 @@ pub enum FieldsError {
     #[error("field '{0}' needs contacts; give a file of them (--contacts), or leave the field out")]
     NoContacts(&'static str),
     /// No frame was given, or none with a weight.
-    #[error("no frame was given, or all of them have weight 0")]
+    #[error("no frame was given, or all of them have weight 0; add a frame with a weight above 0")]
     NoFrames,
 }

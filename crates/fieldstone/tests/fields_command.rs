@@ -872,3 +872,26 @@ fn the_last_frame_has_no_displacement_and_is_not_counted() {
         &["f_2.csv, frame 2: displacements are those to the next frame", "give at least two (--frames)"],
     );
 }
+
+#[test]
+fn a_mean_around_a_time_without_frames_is_told_with_the_times_and_what_to_do() {
+    let folder = Folder::new();
+    for number in [9, 10, 100] {
+        folder.write(&format!("f_{number}.dump"), frame_at(number));
+    }
+    let fields = "fields --particles f_{}.dump --cells 1 --density 1 --fields density --out s.csv";
+    // The middle of 9 and 100 is 54.5, and 10 is nearest: 44.5 away.
+    mentions(
+        &folder.fails(&format!("{fields} --smooth 1")),
+        &["--smooth 1", "around 54.5", "within three widths", "f_10.dump, frame 1, at 10", "a larger width", ".pvd"],
+    );
+    folder.succeeds(&format!("{fields} --smooth 15"));
+}
+
+/// A dump of one ball at a step.
+fn frame_at(step: u32) -> String {
+    format!(
+        "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+         ITEM: ATOMS id x y z radius\n1 .5 .5 .5 .1\n"
+    )
+}

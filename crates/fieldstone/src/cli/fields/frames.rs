@@ -243,9 +243,22 @@ pub(super) fn compute<C: Cells>(
         }
         OverTime::SmoothAt { width, at } => {
             let mut running = start()?;
+            let (mut weights, mut nearest) = (0.0, None::<(f64, String)>);
             for frame in frames {
                 let frame = frame?;
-                running.add(&frame, gaussian_time_weights(&[frame.time], at, width, None)?[0])?;
+                let weight = gaussian_time_weights(&[frame.time], at, width, None)?[0];
+                weights += weight;
+                if nearest.as_ref().is_none_or(|(time, _)| (frame.time - at).abs() < (time - at).abs()) {
+                    nearest = Some((frame.time, frame.name.clone()));
+                }
+                running.add(&frame, weight)?;
+            }
+            if let Some((time, name)) = nearest.filter(|_| weights == 0.0) {
+                bail!(
+                    "--smooth {width}: one result is around {at}, the middle of the frames' times, and no frame lies within \
+                     three widths of it: the nearest is {name}, at {time}; give a larger width, other --frames, or a .pvd or \
+                     .stat file for a result around each frame"
+                );
             }
             sink(running.finish(at, 0)?)
         }
