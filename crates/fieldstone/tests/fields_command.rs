@@ -688,6 +688,23 @@ fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
 }
 
 #[test]
+fn in_cells_of_several_periods_a_particle_gets_the_mean_over_its_images() {
+    let folder = Folder::new();
+    folder.write(
+        "one.dump",
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp ff ff\n0 1\n0 1\n0 1\n\
+         ITEM: ATOMS id x y z radius mass\n1 .5 .5 .5 .25 3\n",
+    );
+    let fields = "fields --particles one.dump --grid 0,2,0,1,0,1 --cells 1 --fields density --out o.vti";
+    folder.succeeds(&format!("{fields} --periodic x --to-particles back.csv"));
+    // Two images of mass 3 in a volume of 2.
+    assert!((column(&folder, "o.vti", "density")[0] - 3.0).abs() < 1e-13);
+    let back = CsvTable::read(&folder.path("back.csv")).unwrap();
+    assert!((back.column("field_density").unwrap()[0] - 3.0).abs() < 1e-13);
+    assert!((back.column("fraction_in_cells").unwrap()[0] - 2.0).abs() < 1e-13);
+}
+
+#[test]
 fn files_of_a_series_never_take_the_name_of_an_input() {
     let folder = Folder::new();
     let balls = "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0,0\n";
