@@ -59,6 +59,9 @@ impl CellList {
     }
 
     /// Appends a polyhedron given by its faces, each a list of corners wound outwards (all inwards will do too).
+    ///
+    /// One without faces is refused with [`MeshError::NoFaces`] by [`crate::Mesh::from_cells`], as are faces of less than
+    /// three corners.
     pub fn push_polyhedron<'a>(&mut self, faces: impl IntoIterator<Item = &'a [u32]>) {
         for face in faces {
             self.entries.push(face.len() as u32);

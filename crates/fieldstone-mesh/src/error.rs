@@ -87,6 +87,14 @@ pub enum MeshError {
         /// Corners needed.
         expected: usize,
     },
+    /// A polyhedron is given without faces.
+    #[error(
+        "cell {cell} is a polyhedron without faces; it needs at least those that close it: leave the cell out, or list its faces"
+    )]
+    NoFaces {
+        /// Index of the cell, from 0.
+        cell: usize,
+    },
     /// The faces of a cell do not close it.
     #[error("cell {cell} has a hole: its edge between points {} and {} belongs to {faces} of its faces instead of 2 that run through it in opposite directions", edge[0], edge[1])]
     OpenCell {

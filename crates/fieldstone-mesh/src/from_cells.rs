@@ -114,6 +114,9 @@ fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result
         rings.push(ring.to_vec());
         rest = tail;
     }
+    if rings.is_empty() {
+        return Err(MeshError::NoFaces { cell });
+    }
     make_consistent(&mut rings);
     let volume: f64 = rings.iter().map(|ring| six_volumes(points, rings[0][0], ring)).sum();
     if volume < 0.0 {
@@ -127,9 +130,10 @@ fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result
 /// Some writers list the faces of a polyhedron in any winding; readers of VTK files must not rely on it.
 fn make_consistent(rings: &mut [Vec<u32>]) {
     let mut done = vec![false; rings.len()];
-    let mut waiting = vec![0];
+    let mut waiting = Vec::new();
     if let Some(first) = done.first_mut() {
         *first = true;
+        waiting.push(0);
     }
     while let Some(at) = waiting.pop() {
         let edges: Vec<[u32; 2]> = edges_of(&rings[at]).collect();

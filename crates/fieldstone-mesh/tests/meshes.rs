@@ -279,6 +279,15 @@ fn broken_meshes_are_refused_with_the_culprit() {
 }
 
 #[test]
+fn a_polyhedron_without_faces_is_refused_with_its_number() {
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 1, 2, 3]).unwrap();
+    cells.push_polyhedron([]);
+    let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(Mesh::from_cells(points, cells).unwrap_err(), MeshError::NoFaces { cell: 1 });
+}
+
+#[test]
 fn cells_keep_the_promise_for_balls_of_any_size_and_count_what_that_takes() {
     let mesh = hexahedra(3, 0.3, 11);
     let elements: Vec<_> = (0..27).map(|cell| mesh.polyhedron(cell).unwrap()).collect();

@@ -104,7 +104,11 @@ impl RawCells {
                 }
                 Some(Faces::Lists { cell_faces, cell_ends, .. }) => {
                     let end = *cell_ends.get(cell).ok_or_else(missing)?;
-                    for &face in part(cell_faces, &mut list_at, end, "polyhedron", cell, position)? {
+                    let numbers = part(cell_faces, &mut list_at, end, "polyhedron", cell, position)?;
+                    if numbers.is_empty() {
+                        return Err(missing());
+                    }
+                    for &face in numbers {
                         let found = usize::try_from(face).ok().and_then(|f| lists.get(f));
                         let corners = found.ok_or_else(|| {
                             let text = format!("cell {cell} names face {face}, but there are {}", lists.len());
@@ -207,6 +211,14 @@ mod tests {
     #[test]
     fn a_polyhedron_without_faces_is_refused() {
         assert!(read(polyhedron_and_triangle(None)).unwrap_err().found.contains("without faces"));
+    }
+
+    #[test]
+    fn a_polyhedron_with_an_empty_list_of_faces_is_refused() {
+        let faces =
+            Faces::Lists { corners: vec![0, 2, 1], face_ends: vec![3], cell_faces: vec![], cell_ends: vec![0, 0, 0] };
+        let found = read(polyhedron_and_triangle(Some(faces))).unwrap_err().found;
+        assert_eq!(found, "cell 1 is a polyhedron without faces");
     }
 
     #[test]
