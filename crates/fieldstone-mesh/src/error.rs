@@ -63,6 +63,18 @@ pub enum MeshError {
         /// How many there should be.
         expected: usize,
     },
+    /// A face names a cell beyond what the faces could enclose.
+    #[error(
+        "face {face} names cell {cell}, but faces with {most} sides in all enclose at most {most} cells; a label in owner or neighbour may be damaged"
+    )]
+    CellOutOfRange {
+        /// Index of the face, from 0.
+        face: usize,
+        /// The cell that it names.
+        cell: usize,
+        /// Owners and neighbours in all: each cell needs at least one of them.
+        most: usize,
+    },
     /// A face names a cell that does not exist, or its owner twice.
     #[error("face {face} lies between cells {owner} and {neighbour}; two different cells below {cells} are needed")]
     BadCells {

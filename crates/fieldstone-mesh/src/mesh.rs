@@ -385,6 +385,13 @@ fn check(parts: &MeshParts) -> Result<(), MeshError> {
     if cells == 0 {
         return Err(MeshError::Empty);
     }
+    // Tables are made for as many cells as the largest label says, so one damaged label could ask for any amount of memory.
+    let sides = parts.owner.len() + parts.neighbour.len();
+    if cells > sides {
+        let named = |list: &[u32]| list.iter().position(|&c| c as usize + 1 == cells);
+        let face = named(&parts.owner).or_else(|| named(&parts.neighbour)).unwrap_or_default();
+        return Err(MeshError::CellOutOfRange { face, cell: cells - 1, most: sides });
+    }
     // Centroids of warped faces are numbered behind the points.
     for (what, count) in [("points and faces", parts.points.len() + faces), ("corners", parts.face_points.len())] {
         if count >= u32::MAX as usize {

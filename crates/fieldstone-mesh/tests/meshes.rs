@@ -288,6 +288,18 @@ fn a_polyhedron_without_faces_is_refused_with_its_number() {
 }
 
 #[test]
+fn a_damaged_cell_label_asks_for_no_memory() {
+    let whole = hexahedra(1, 0.0, 0).parts().clone();
+    for label in [6, u32::MAX - 2] {
+        let mut parts = whole.clone();
+        parts.owner[3] = label;
+        let error = Mesh::new(parts).unwrap_err();
+        // Six faces with a cell on one side: six cells at the very most.
+        assert_eq!(error, MeshError::CellOutOfRange { face: 3, cell: label as usize, most: 6 });
+    }
+}
+
+#[test]
 fn cells_keep_the_promise_for_balls_of_any_size_and_count_what_that_takes() {
     let mesh = hexahedra(3, 0.3, 11);
     let elements: Vec<_> = (0..27).map(|cell| mesh.polyhedron(cell).unwrap()).collect();
