@@ -70,7 +70,7 @@ pub trait Cells: Sync {
     fn locate(&self, point: [f64; 3], scratch: &mut Self::Scratch) -> Option<u32>;
 
     /// Calls `visit` with each cell that shares a face with `cell`, and with the face's area over the distance of
-    /// the two cells' centres.
+    /// the two cells' centres. Two sectors of a cylinder, which share two faces, meet once, with the sum of both areas.
     fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64));
 
     /// Calls `visit` with each cell whose bounding box meets the given box, in any order.

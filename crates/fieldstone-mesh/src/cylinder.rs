@@ -294,7 +294,8 @@ impl Cells for CylinderGrid {
                 }
                 let over_distance = match axis {
                     0 => (if up { b } else { a }) * turn * tall / (b - a),
-                    1 => (b - a) * tall / (0.5 * (a + b) * turn),
+                    // Two sectors meet at both of their faces, and are named to each other once.
+                    1 => (if count == 2 { 2.0 } else { 1.0 }) * (b - a) * tall / (0.5 * (a + b) * turn),
                     _ => 0.5 * (b - a) * (b + a) * turn / tall,
                 };
                 visit(self.cell_at(other) as u32, over_distance);

@@ -62,6 +62,26 @@ fn grids_that_make_no_sense_are_refused() {
     }
 }
 
+fn neighbours(grid: &CylinderGrid, cell: usize) -> Vec<(u32, f64)> {
+    let mut found = Vec::new();
+    grid.for_each_neighbour(cell, &mut |other, area_over_distance| found.push((other, area_over_distance)));
+    found
+}
+
+#[test]
+fn two_sectors_share_two_faces_and_more_sectors_one_with_each_neighbour() {
+    // Faces of 1 × 3, centres half a circle of radius 1.5 apart: 3 / 1.5π for each of the two.
+    let two = CylinderGrid::new(2, [0.0; 3], [1.0, 2.0], [0.0, 3.0], [1, 2, 1]).unwrap();
+    for cell in 0..2 {
+        let found = neighbours(&two, cell);
+        assert!(matches!(found[..], [(other, x)] if other as usize == 1 - cell && (x - 4.0 / PI).abs() < 1e-15));
+    }
+    let four = CylinderGrid::new(2, [0.0; 3], [1.0, 2.0], [0.0, 3.0], [1, 4, 1]).unwrap();
+    assert_eq!(neighbours(&four, 0).iter().map(|&(other, _)| other).collect::<Vec<_>>(), [3, 1]);
+    let one = CylinderGrid::new(2, [0.0; 3], [1.0, 2.0], [0.0, 3.0], [1, 1, 1]).unwrap();
+    assert!(neighbours(&one, 0).is_empty());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
