@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use anyhow::{anyhow, bail};
+use fieldstone::io::source::read_all;
 use plotters::chart::SeriesLabelPosition;
 
 use super::super::flow_run::Flows;
-use super::data::{Curved, gauge, pairs, relative_rms, rows};
+use super::data::{Curved, gauge, pairs, relative_rms};
 use super::{clipped, computed, measured, percent, run};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
@@ -93,15 +95,60 @@ fn speed(front: &[(f64, f64)]) -> Option<f64> {
 /// Two lines of numbers that begin with these names.
 fn table(data: &Path, x: &str, y: &str) -> anyhow::Result<Curved> {
     let path = data.join("martin_moyce_1952_tables_2_6.txt");
-    // A name before the numbers makes them no row of numbers: the names are cut off.
-    let text = std::fs::read_to_string(&path)?;
-    let line = |name: &str| -> Vec<f64> {
-        let rest = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
-        rest.unwrap_or_default().split_whitespace().filter_map(|w| w.parse().ok()).collect()
-    };
-    let curve: Curved = line(x).into_iter().zip(line(y)).collect();
-    if curve.is_empty() {
-        rows(&path, 2)?;
+    let bytes = read_all(&path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let (abscissae, ordinates) = (named_row(&text, &path, x)?, named_row(&text, &path, y)?);
+    if abscissae.len() != ordinates.len() {
+        bail!(
+            "{}: {x} has {} numbers, but {y} has {}; each of one belongs to one of the other",
+            path.display(),
+            abscissae.len(),
+            ordinates.len()
+        );
     }
-    Ok(curve)
+    Ok(abscissae.into_iter().zip(ordinates).collect())
+}
+
+/// The numbers behind a name at the start of a line. All of them: a word passed over would shift one row against another.
+fn named_row(text: &str, path: &Path, name: &str) -> anyhow::Result<Vec<f64>> {
+    let file = path.display();
+    let found =
+        text.lines().enumerate().find_map(|(n, line)| Some((n + 1, line.strip_prefix(name)?.strip_prefix(' ')?)));
+    let Some((line, rest)) = found else {
+        bail!("{file}: no line begins with '{name} '; give the folder with the measurements");
+    };
+    let number = |word: &str| {
+        let value = word.parse::<f64>().ok().filter(|x| x.is_finite());
+        value.ok_or_else(|| anyhow!("{file}:{line}: '{word}' among the values of {name} is no number; repair the file"))
+    };
+    let row = rest.split_whitespace().map(number).collect::<anyhow::Result<Vec<f64>>>()?;
+    if row.is_empty() {
+        bail!("{file}:{line}: there is no number after {name}; give the folder with the measurements");
+    }
+    Ok(row)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bad_word_in_a_row_is_refused_with_its_line_and_shifts_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |text: &str| std::fs::write(folder.path().join("martin_moyce_1952_tables_2_6.txt"), text).unwrap();
+        write("# a = 2.25 in\nT 0.5 1.0 1.5\nZ 1.1 1.3 1.6\n");
+        assert_eq!(table(folder.path(), "T", "Z").unwrap(), [(0.5, 1.1), (1.0, 1.3), (1.5, 1.6)]);
+        for (text, part) in [
+            ("# a = 2.25 in\nT 0.5 l.0 1.5\nZ 1.1 1.3 1.6\n", "tables_2_6.txt:2: 'l.0' among the values of T"),
+            ("T 0.5 1.0 1.5\nZ 1.1 1.6\n", "T has 3 numbers, but Z has 2"),
+            ("T 0.5 1.0 1.5\n", "no line begins with 'Z '"),
+        ] {
+            write(text);
+            let message = table(folder.path(), "T", "Z").unwrap_err().to_string();
+            assert!(message.contains(part), "{message}");
+        }
+        let message = table(&folder.path().join("lost"), "T", "Z").unwrap_err().to_string();
+        assert!(message.contains("lost") && message.contains("martin_moyce_1952_tables_2_6.txt"), "{message}");
+    }
 }
