@@ -171,6 +171,21 @@ fn the_spacing_is_estimated_and_an_implausible_one_is_warned_of() {
 }
 
 #[test]
+fn particles_behind_a_wall_are_refused_with_the_remedy() {
+    let folder = folder();
+    // All of the block is behind the first; 200 of its 1000 particles are below the second's plane, at 0.05 and 0.15.
+    for (wall, parts) in [
+        ("0,0,-1,0", &["--wall 0,0,-1,0: fluid.csv: 1000 of 1000 particles", "turn it (--wall 0,0,1,0)"][..]),
+        ("0,0,2,0.4", &["--wall 0,0,1,0.2: fluid.csv: 200 of 1000 particles", "move the plane", "--boundary"]),
+    ] {
+        for (command, out) in [("detect", "vtp"), ("surface", "ply"), ("grid", "vti")] {
+            let line = format!("{command} --particles fluid.csv --spacing 0.1 --wall {wall} --out out.{out}");
+            mentions(&folder.fails(&line), parts);
+        }
+    }
+}
+
+#[test]
 fn bad_arguments_and_files_are_refused_with_the_remedy() {
     let folder = folder();
     folder.write("nan.csv", "x,y,z\n0,0,0\n1,nan,0\n");

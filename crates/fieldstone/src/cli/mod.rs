@@ -16,6 +16,7 @@ mod plot;
 mod report;
 mod reproduce;
 mod sph;
+mod sph_checks;
 mod sph_frames;
 mod surface;
 mod timing;

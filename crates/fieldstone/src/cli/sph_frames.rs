@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::arguments::{Periodic, list, positive};
-use super::{outputs, report};
+use super::{outputs, report, sph_checks};
 
 /// Particles in the frames that are worked on at the same time, and then those of one more: what memory has to hold.
 const PARTICLES_TOGETHER: usize = 1_000_000;
@@ -191,13 +191,7 @@ impl SphArguments {
         let spacing = match self.spacing {
             Some(spacing) => spacing,
             None => {
-                let fluid: Vec<[f64; 3]> = match &candidates {
-                    None => particles.positions().to_vec(),
-                    Some(fluid) => {
-                        let chosen = particles.positions().iter().zip(fluid).filter(|(_, fluid)| **fluid);
-                        chosen.map(|(p, _)| *p).collect()
-                    }
-                };
+                let fluid = fluid_positions(particles, candidates.as_deref());
                 let estimate = estimate_spacing(&fluid, dimension).map_err(|e| anyhow!("{file}: {e}"))?;
                 let Some(estimate) = estimate else {
                     bail!("{file}: {} particles are too few to estimate their spacing; give --spacing", fluid.len());
@@ -221,6 +215,13 @@ impl SphArguments {
                 ));
             }
         }
+        sph_checks::before_walls(
+            particles.positions(),
+            candidates.as_deref(),
+            &self.walls,
+            spacing,
+            &file.to_string(),
+        )?;
         Ok(Surroundings {
             spacing,
             dimension,
@@ -286,6 +287,12 @@ impl SphArguments {
         }
         Ok(Some(fluid))
     }
+}
+
+/// Positions of the particles that are no boundary.
+fn fluid_positions(particles: &Particles, fluid: Option<&[bool]>) -> Vec<[f64; 3]> {
+    let positions = particles.positions().iter().enumerate();
+    positions.filter(|(k, _)| fluid.is_none_or(|f| f[*k])).map(|(_, p)| *p).collect()
 }
 
 /// m/ρ of each particle, where the file has both and they make sense.

@@ -1,0 +1,71 @@
+//! What must hold of particles before their free surface, or fields of them, mean anything.
+
+use anyhow::bail;
+use fieldstone::surface::Wall;
+
+use super::report::{self, number};
+
+/// Share of the fluid that may lie behind a wall: solvers let a few particles through, a wall set wrongly has many.
+const LEAKED: f64 = 0.01;
+
+/// Refuses walls with much of the fluid behind them, and warns of those with a little.
+pub(super) fn before_walls(
+    positions: &[[f64; 3]],
+    fluid: Option<&[bool]>,
+    walls: &[Wall],
+    spacing: f64,
+    file: &str,
+) -> anyhow::Result<()> {
+    let is_fluid = |k: usize| fluid.is_none_or(|f| f[k]);
+    let all = (0..positions.len()).filter(|&k| is_fluid(k)).count();
+    for wall in walls {
+        let name = |sign: f64| {
+            let [x, y, z] = wall.normal().map(|n| number(sign * n + 0.0));
+            format!("--wall {x},{y},{z},{}", number(sign * wall.offset() + 0.0))
+        };
+        let (mut behind, mut farthest) = (0usize, 0.0f64);
+        for (k, &at) in positions.iter().enumerate() {
+            let depth = -wall.distance(at);
+            // A particle in the plane may be a rounding behind it.
+            if is_fluid(k) && depth > 1e-6 * spacing {
+                behind += 1;
+                farthest = farthest.max(depth);
+            }
+        }
+        if behind == 0 {
+            continue;
+        }
+        let found = format!(
+            "{}: {file}: {behind} of {all} particles lie behind the wall, by up to {}",
+            name(1.0),
+            number(farthest)
+        );
+        if 2 * behind > all {
+            bail!("{found}; its normal must point into the fluid: turn it ({}), or move the plane", name(-1.0));
+        }
+        if behind as f64 > LEAKED * all as f64 {
+            bail!("{found}; it cuts through the fluid: move the plane, or mark what is behind it with --boundary");
+        }
+        report::warn(&format!("{found}; they have no mirror image"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_with_few_particles_behind_it_is_let_pass_and_one_with_many_is_not() {
+        let floor = [Wall::new([0.0, 0.0, 2.0], 0.0).unwrap()];
+        let with_behind = |n: usize| -> Vec<[f64; 3]> {
+            (0..1000).map(|k| [0.0, 0.0, if k < n { -0.5 } else { 0.1 * k as f64 }]).collect()
+        };
+        assert!(before_walls(&with_behind(10), None, &floor, 0.1, "f").is_ok());
+        assert!(before_walls(&with_behind(11), None, &floor, 0.1, "f").is_err());
+        let fluid: Vec<bool> = (0..1000).map(|k| k >= 11).collect();
+        assert!(before_walls(&with_behind(11), Some(&fluid), &floor, 0.1, "f").is_ok(), "boundary may be behind");
+        assert!(before_walls(&[[0.0, 0.0, -1e-9]], None, &floor, 0.1, "f").is_ok(), "in the plane to rounding");
+    }
+}
