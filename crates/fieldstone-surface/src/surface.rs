@@ -1,4 +1,5 @@
 use crate::kernel::{Kernel, Smoothing};
+use crate::plausibility::third_coordinate;
 use crate::{
     Detection, Exposure, SurfaceDetection, SurfaceError, Surroundings, exposure, implausibilities, levels, normals,
 };
@@ -37,7 +38,7 @@ pub struct Surface {
     pub levels: Option<Vec<u8>>,
     /// Largest empty cones, where asked for.
     pub exposures: Option<Vec<Exposure>>,
-    /// What looks wrong about the input ([`implausibilities`]).
+    /// What looks wrong about the input: [`implausibilities`], and z that varies in two dimensions.
     pub warnings: Vec<String>,
 }
 
@@ -68,7 +69,8 @@ pub fn detect_surface(
     let spacing = surroundings.spacing;
     let grid = surroundings.grid(positions, method.reach(spacing))?;
     let scene = surroundings.scene(&grid);
-    let warnings = implausibilities(&scene);
+    let mut warnings = implausibilities(&scene);
+    warnings.extend(third_coordinate(positions, surroundings.dimension, spacing));
     let detection = method.detect(&scene)?;
     // What looks farther than the method gets a grid of its own: a wider one would slow the detection down.
     let normals = match &options.normals {

@@ -38,6 +38,26 @@ fn no_one_two_and_coincident_particles_are_on_the_surface_by_every_method() {
 }
 
 #[test]
+fn many_duplicates_and_a_third_coordinate_in_two_dimensions_are_warned_of() {
+    let sheet: Vec<[f64; 3]> = (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20), 0.0]).collect();
+    let warnings = |positions: &[[f64; 3]], dimension: usize| {
+        let surroundings = Surroundings { dimension, ..Surroundings::new(1.0) };
+        detect_surface(positions, &Exact::default(), &surroundings, &SurfaceOptions::LABELS).unwrap().warnings
+    };
+    assert_eq!(warnings(&sheet, 2), [""; 0]);
+    // In x and z: seen in the plane of x and y, each particle lies in the place of 19 others.
+    let upright: Vec<[f64; 3]> = sheet.iter().map(|p| [p[0], 0.0, p[1]]).collect();
+    let found = warnings(&upright, 2);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].contains("of 200 particles looked at 200 lie in the place of another"), "{}", found[0]);
+    assert!(found[1].contains("z runs from 0 to 19") && found[1].contains("swap the columns"), "{}", found[1]);
+    // One in a hundred: a restart that wrote some particles twice.
+    let mut twice = block([10, 10, 10], 0.0, 1);
+    twice.extend_from_within(..10);
+    assert_eq!(warnings(&twice, 3), [""; 0]);
+}
+
+#[test]
 fn a_coplanar_sheet_and_a_thin_jet_are_all_surface() {
     for method in methods(3) {
         for counts in [[12, 12, 1], [1, 1, 20], [2, 2, 20]] {

@@ -186,6 +186,25 @@ fn particles_behind_a_wall_are_refused_with_the_remedy() {
 }
 
 #[test]
+fn particles_in_another_plane_are_refused_in_two_dimensions() {
+    let folder = Folder::new();
+    let sheet = |row: fn(f64, f64) -> String| -> String {
+        let rows = (0..100).map(|k| row(0.1 * f64::from(k % 10), 0.1 * f64::from(k / 10)));
+        std::iter::once("x,y,z\n".to_owned()).chain(rows).collect()
+    };
+    folder.write("xz.csv", sheet(|a, b| format!("{a},0,{b}\n")));
+    folder.write("xy.csv", sheet(|a, b| format!("{a},{b},0.5\n")));
+    folder.write("tilted.csv", sheet(|a, b| format!("{a},{b},{a}\n")));
+    let common = "--dimension 2 --spacing 0.1 --out out.csv --json out.json";
+    folder.succeeds(&format!("detect --particles xy.csv {common}"));
+    assert_eq!(json(&folder, "out.json")["free_surface"], 36);
+    let message = folder.fails(&format!("detect --particles xz.csv {common}"));
+    mentions(&message, &["xz.csv", "z runs from 0 to 0.9", "swap the columns y and z", "--dimension 3"]);
+    let message = folder.fails(&format!("detect --particles tilted.csv {common}"));
+    mentions(&message, &["tilted.csv", "z runs from 0 to 0.9", "use --dimension 3"]);
+}
+
+#[test]
 fn bad_arguments_and_files_are_refused_with_the_remedy() {
     let folder = folder();
     folder.write("nan.csv", "x,y,z\n0,0,0\n1,nan,0\n");

@@ -8,6 +8,36 @@ use super::report::{self, number};
 /// Share of the fluid that may lie behind a wall: solvers let a few particles through, a wall set wrongly has many.
 const LEAKED: f64 = 0.01;
 
+/// Extent of z, over that of x and y, beyond which particles are not two-dimensional in x and y.
+const FLAT: f64 = 1e-3;
+
+/// Refuses particles that spread along z, which two dimensions do not look at.
+pub(super) fn in_plane(positions: &[[f64; 3]], file: &str) -> anyhow::Result<()> {
+    let [x, y, z] = [0, 1, 2].map(|k| {
+        let low = positions.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
+        let high = positions.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
+        [low, high]
+    });
+    let extent = |[low, high]: [f64; 2]| high - low;
+    let plane = extent(x).max(extent(y));
+    if extent(z) > FLAT * plane {
+        let spread = format!(
+            "--dimension 2: {file}: z runs from {} to {}, but two dimensions are x and y",
+            number(z[0]),
+            number(z[1])
+        );
+        for (name, axis) in [("y", y), ("x", x)] {
+            if extent(axis) <= FLAT * plane.max(extent(z)) {
+                bail!(
+                    "{spread}; {name} does not vary: swap the columns {name} and z of the file, or use --dimension 3"
+                );
+            }
+        }
+        bail!("{spread}; use --dimension 3, or project the particles");
+    }
+    Ok(())
+}
+
 /// Refuses walls with much of the fluid behind them, and warns of those with a little.
 pub(super) fn before_walls(
     positions: &[[f64; 3]],

@@ -36,7 +36,7 @@ pub(crate) struct SphArguments {
     /// Initial distance of the particles [default: estimated from their number density]
     #[arg(long, value_name = "DX", value_parser = positive, allow_negative_numbers = true)]
     pub spacing: Option<f64>,
-    /// 2 (z is ignored) or 3
+    /// 2 (x and y; z must not vary) or 3
     #[arg(long, value_name = "D", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     pub dimension: u8,
     /// Periodic directions: auto (those of the file), none, or e.g. xy
@@ -186,6 +186,9 @@ impl SphArguments {
         let dimension = usize::from(self.dimension);
         if particles.is_empty() {
             bail!("{file}: the frame holds no particle; choose another with --frames");
+        }
+        if dimension == 2 {
+            sph_checks::in_plane(particles.positions(), &file.to_string())?;
         }
         let candidates = self.candidates(particles).map_err(|e| anyhow!("{file}: {e}"))?;
         let spacing = match self.spacing {
