@@ -205,6 +205,34 @@ fn particles_in_another_plane_are_refused_in_two_dimensions() {
 }
 
 #[test]
+fn columns_with_values_that_are_no_numbers_are_refused_and_counted() {
+    let folder = folder();
+    let fluid = std::fs::read_to_string(folder.path("fluid.csv")).unwrap();
+    let lines = fluid.lines().enumerate();
+    // Line 0 has the names: this is particle 500.
+    let damaged = lines.map(|(n, line)| match (n, line.rsplit_once(',')) {
+        (501, Some((rest, _))) => format!("{rest},nan\n"),
+        _ => format!("{line}\n"),
+    });
+    folder.write("nan.csv", damaged.collect::<String>());
+    let common = "--particles nan.csv --spacing 0.1";
+    for (line, option) in [
+        (format!("grid {common} --out out.vti"), "--fields"),
+        (format!("grid {common} --fields mass --conserve pressure --out out.vti"), "--conserve"),
+        (format!("surface {common} --fields pressure --out out.ply"), "--fields"),
+    ] {
+        mentions(
+            &folder.fails(&line),
+            &[&format!("{option} pressure: nan.csv: particle 500 (from 0) has the value NaN")],
+        );
+    }
+    folder.succeeds(&format!("grid {common} --fields mass --conserve mass --out out.vti"));
+    folder.succeeds(&format!("surface {common} --out out.ply"));
+    let info = folder.succeeds("info nan.csv").stdout;
+    mentions(&info, &["mass, 1 to 1\n", ", 1 NaN\n"]);
+}
+
+#[test]
 fn bad_arguments_and_files_are_refused_with_the_remedy() {
     let folder = folder();
     folder.write("nan.csv", "x,y,z\n0,0,0\n1,nan,0\n");

@@ -189,6 +189,8 @@ pub struct VtkSummary {
     pub tuples: usize,
     /// Least and greatest number of each component, NaN left out; `None` where there is no number.
     pub ranges: Vec<Option<[f64; 2]>>,
+    /// How many values are NaN, of all components.
+    pub not_numbers: usize,
 }
 
 impl VtkData {
@@ -243,8 +245,11 @@ impl VtkData {
 fn summary(location: VtkLocation, array: &DataArray) -> VtkSummary {
     let components = array.components.max(1);
     let mut ranges: Vec<Option<[f64; 2]>> = vec![None; components];
+    let mut not_numbers = 0;
     for (k, x) in array.values.to_f64().into_iter().enumerate() {
-        if !x.is_nan() {
+        if x.is_nan() {
+            not_numbers += 1;
+        } else {
             let range = ranges[k % components].get_or_insert([x, x]);
             *range = [range[0].min(x), range[1].max(x)];
         }
@@ -255,6 +260,7 @@ fn summary(location: VtkLocation, array: &DataArray) -> VtkSummary {
         components: array.components,
         tuples: array.values.len() / components,
         ranges,
+        not_numbers,
     }
 }
 

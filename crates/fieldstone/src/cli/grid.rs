@@ -15,8 +15,8 @@ use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Su
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes, nodes_of_one_period};
-use super::report;
 use super::sph_frames::{NumberedOutput, SphArguments, written};
+use super::{report, sph_checks};
 
 /// Particle quantities on a regular grid, by moving least squares or conservatively
 ///
@@ -117,6 +117,15 @@ impl GridFields {
         let file = frame.path.display();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
+        let quantities = self.quantities(&frame.particles).map_err(|e| anyhow!("--fields: {file}: {e}"))?;
+        let fluid = surroundings.candidates.as_deref();
+        for column in &quantities {
+            sph_checks::finite("--fields", column, fluid, &file.to_string())?;
+        }
+        for name in &self.conserve {
+            let column = frame.particles.quantity(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
+            sph_checks::finite("--conserve", column, fluid, &file.to_string())?;
+        }
         let nodes = match self.slice {
             None if self.conserve.is_empty() => nodes(frame, &surroundings, self.cell)?,
             None => nodes_of_one_period(frame, &surroundings, self.cell)?,
@@ -125,7 +134,6 @@ impl GridFields {
             }
         };
         let region = self.fluid.field(frame, &surroundings, &nodes)?;
-        let quantities = self.quantities(&frame.particles).map_err(|e| anyhow!("--fields: {file}: {e}"))?;
         let columns: Vec<Column<'_>> =
             quantities.iter().map(|q| Column { components: q.components, data: &q.data }).collect();
         let inside: Vec<usize> =

@@ -67,6 +67,16 @@ fn vector(v: [f64; 3]) -> String {
     format!("({}, {}, {})", number(v[0]), number(v[1]), number(v[2]))
 }
 
+/// Least and largest of a column's numbers, and how many values are none.
+fn range(low: f64, high: f64, not_numbers: usize) -> String {
+    match (low <= high, not_numbers) {
+        (true, 0) => format!("{} to {}", number(low), number(high)),
+        (true, n) => format!("{} to {}, {n} NaN", number(low), number(high)),
+        (false, 0) => "no values".into(),
+        (false, n) => format!("{n} NaN and no number"),
+    }
+}
+
 /// Names and values, one a line.
 struct Lines(String);
 
@@ -124,7 +134,7 @@ impl Lines {
                 if column.components == 1 { String::new() } else { format!(" ({} numbers)", column.components) };
             let ranges = column.ranges.into_iter().flatten();
             let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-            self.add(place, format!("{}{shape}, {} to {}", column.name, number(low), number(high)));
+            self.add(place, format!("{}{shape}, {}", column.name, range(low, high, column.not_numbers)));
         }
     }
 
@@ -178,7 +188,8 @@ impl Lines {
         for q in particles.quantities() {
             let shape = if q.components == 1 { String::new() } else { format!(" ({} numbers)", q.components) };
             let (min, max) = q.data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-            self.add("column", format!("{}{shape}, {} to {}", q.name, number(min), number(max)));
+            let not_numbers = q.data.iter().filter(|x| x.is_nan()).count();
+            self.add("column", format!("{}{shape}, {}", q.name, range(min, max, not_numbers)));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What must hold of particles before their free surface, or fields of them, mean anything.
 
 use anyhow::bail;
+use fieldstone::particles::Quantity;
 use fieldstone::surface::Wall;
 
 use super::report::{self, number};
@@ -81,6 +82,26 @@ pub(super) fn before_walls(
     Ok(())
 }
 
+/// Refuses a column with numbers that are not finite, which would spread to all nodes near by.
+pub(super) fn finite(option: &str, column: &Quantity, fluid: Option<&[bool]>, file: &str) -> anyhow::Result<()> {
+    let width = column.components.max(1);
+    let is_bad = |&k: &usize| !column.data[k].is_finite() && fluid.is_none_or(|f| f[k / width]);
+    let mut bad = (0..column.data.len()).filter(is_bad);
+    let Some(first) = bad.next() else { return Ok(()) };
+    let component = if width == 1 { String::new() } else { format!(", component {}", first % width) };
+    let others = match bad.count() {
+        0 => String::new(),
+        n => format!(", and {n} more of its numbers are not finite"),
+    };
+    bail!(
+        "{option} {}: {file}: particle {} (from 0){component} has the value {}{others}; it would spread to everything near \
+         by: repair the file, or leave the column out (--fields chooses)",
+        column.name,
+        first / width,
+        column.data[first]
+    )
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -97,5 +118,19 @@ mod tests {
         let fluid: Vec<bool> = (0..1000).map(|k| k >= 11).collect();
         assert!(before_walls(&with_behind(11), Some(&fluid), &floor, 0.1, "f").is_ok(), "boundary may be behind");
         assert!(before_walls(&[[0.0, 0.0, -1e-9]], None, &floor, 0.1, "f").is_ok(), "in the plane to rounding");
+    }
+
+    #[test]
+    fn the_first_number_that_is_not_finite_is_named() {
+        let column = Quantity {
+            name: "velocity".into(),
+            components: 3,
+            data: vec![0.0, 1.0, 2.0, 3.0, f64::INFINITY, f64::NAN],
+        };
+        let message = finite("--fields", &column, None, "f.csv").unwrap_err().to_string();
+        assert!(
+            message.starts_with("--fields velocity: f.csv: particle 1 (from 0), component 1 has the value inf, and 1")
+        );
+        assert!(finite("--fields", &column, Some(&[true, false]), "f.csv").is_ok());
     }
 }

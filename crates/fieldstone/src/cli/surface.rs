@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, nodes};
-use super::report;
 use super::sph_frames::{NumberedOutput, SphArguments, written};
+use super::{report, sph_checks};
 
 /// The surface of the fluid as triangles: watertight, manifold, with normals
 ///
@@ -110,6 +110,13 @@ impl Surface {
         let file = frame.path.display().to_string();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
+        let particles = &frame.particles;
+        let mut quantities = Vec::new();
+        for name in &self.fields {
+            let column = particles.quantity(name).map_err(|e| anyhow!("--fields {name}: {file}: {e}"))?;
+            sph_checks::finite("--fields", column, surroundings.candidates.as_deref(), &file)?;
+            quantities.push(column);
+        }
         let nodes = nodes(frame, &surroundings, self.cell)?;
         let field = self.fluid.field(frame, &surroundings, &nodes)?;
         let walls = match self.at_walls {
@@ -119,11 +126,6 @@ impl Surface {
         let mesh = iso_surface(&field, walls);
         if mesh.triangles.is_empty() {
             report::warn(&format!("{file}: there is no surface: the spacing or --smoothing may not fit the particles"));
-        }
-        let particles = &frame.particles;
-        let mut quantities = Vec::new();
-        for name in &self.fields {
-            quantities.push(particles.quantity(name).map_err(|e| anyhow!("--fields {name}: {file}: {e}"))?);
         }
         let columns: Vec<Column<'_>> =
             quantities.iter().map(|q| Column { components: q.components, data: &q.data }).collect();
