@@ -233,6 +233,23 @@ fn columns_with_values_that_are_no_numbers_are_refused_and_counted() {
 }
 
 #[test]
+fn a_spacing_of_another_unit_makes_no_surface() {
+    let folder = folder();
+    for spacing in ["100", "0.0001"] {
+        for (command, out) in [("surface", "ply"), ("grid", "vti")] {
+            let run = folder.fieldstone(&format!("{command} --particles fluid.csv --spacing {spacing} --out out.{out}"));
+            assert_eq!(run.code, Some(1));
+            // The block's spacing is 0.1; in ten layers even inner particles lack some neighbours.
+            let message = run.stderr;
+            mentions(&message, &[&format!("--spacing {spacing}: fluid.csv"), "apart", "unit"]);
+            let measured = message.split("give --spacing ").nth(1).unwrap().split(',').next().unwrap();
+            assert!((measured.parse::<f64>().unwrap() / 0.1 - 1.0).abs() < 0.02, "{message}");
+        }
+    }
+    assert!(!folder.path("out.ply").exists() && !folder.path("out.vti").exists());
+}
+
+#[test]
 fn bad_arguments_and_files_are_refused_with_the_remedy() {
     let folder = folder();
     folder.write("nan.csv", "x,y,z\n0,0,0\n1,nan,0\n");

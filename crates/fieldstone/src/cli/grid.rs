@@ -117,6 +117,7 @@ impl GridFields {
         let file = frame.path.display();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
+        self.sph.check_spacing(frame, &surroundings)?;
         let quantities = self.quantities(&frame.particles).map_err(|e| anyhow!("--fields: {file}: {e}"))?;
         let fluid = surroundings.candidates.as_deref();
         for column in &quantities {

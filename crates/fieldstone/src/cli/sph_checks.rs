@@ -12,6 +12,12 @@ const LEAKED: f64 = 0.01;
 /// Extent of z, over that of x and y, beyond which particles are not two-dimensional in x and y.
 const FLAT: f64 = 1e-3;
 
+/// How many times the particles' own distance a spacing may be: more is another unit.
+const TOO_WIDE: f64 = 10.0;
+
+/// The same for a spacing that is too small: particles may be spray, far apart.
+const TOO_NARROW: f64 = 0.01;
+
 /// Refuses particles that spread along z, which two dimensions do not look at.
 pub(super) fn in_plane(positions: &[[f64; 3]], file: &str) -> anyhow::Result<()> {
     let [x, y, z] = [0, 1, 2].map(|k| {
@@ -100,6 +106,18 @@ pub(super) fn finite(option: &str, column: &Quantity, fluid: Option<&[bool]>, fi
         first / width,
         column.data[first]
     )
+}
+
+/// Refuses a spacing that cannot be the particles': `measured` is their own distance.
+pub(super) fn spacing(given: f64, measured: f64, file: &str) -> anyhow::Result<()> {
+    let ratio = given / measured;
+    if ratio > TOO_WIDE || ratio < TOO_NARROW {
+        bail!(
+            "--spacing {given}: {file}: the particles are some {measured:.3e} apart, by their number density; give \
+             --spacing {measured:.3e}, or check its unit"
+        );
+    }
+    Ok(())
 }
 
 #[cfg(test)]

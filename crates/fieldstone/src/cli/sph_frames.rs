@@ -235,6 +235,17 @@ impl SphArguments {
         })
     }
 
+    /// Refuses a spacing that is off by so much that what is made of it would be nonsense.
+    pub fn check_spacing(&self, frame: &SeriesFrame, surroundings: &Surroundings) -> anyhow::Result<()> {
+        let Some(given) = self.spacing else { return Ok(()) };
+        let file = frame.path.display().to_string();
+        let fluid = fluid_positions(&frame.particles, surroundings.candidates.as_deref());
+        match estimate_spacing(&fluid, surroundings.dimension).map_err(|e| anyhow!("{file}: {e}"))? {
+            Some(measured) => sph_checks::spacing(given, measured, &file),
+            None => Ok(()),
+        }
+    }
+
     fn domain(&self, particles: &Particles) -> anyhow::Result<Option<Domain>> {
         let given = match self.bounds {
             None => None,

@@ -110,6 +110,7 @@ impl Surface {
         let file = frame.path.display().to_string();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
+        self.sph.check_spacing(frame, &surroundings)?;
         let particles = &frame.particles;
         let mut quantities = Vec::new();
         for name in &self.fields {
