@@ -28,7 +28,8 @@ pub trait Cells: Sync {
     /// found by arithmetic.
     const PLACES_IN_MEMORY: bool = true;
 
-    /// Working memory for this set of cells. Volumes computed with it keep [`fieldstone_geometry::PROMISE`].
+    /// Working memory for this set of cells. Volumes computed with it keep [`fieldstone_geometry::PROMISE`], but for round cells
+    /// much smaller than the ball: see [`crate::CylinderGrid`].
     fn scratch(&self) -> Self::Scratch;
 
     /// Working memory with which balls are evaluated in `f64` alone: faster by far for balls much larger than the cells,
