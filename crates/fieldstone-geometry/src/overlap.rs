@@ -42,7 +42,8 @@ struct Sums {
 /// whose planes cut the ball: also one of which nothing is inside has a solid angle with an error of its distance.
 ///
 /// Volumes from the edges inside the ball add $8 \varepsilon \kappa / \delta$, with the largest flatness κ of a face, and δ the distance,
-/// in radii, of a corner from the centre's foot on a face; then twice what ε multiplies.
+/// in radii, of a corner from the centre's foot on a face; then twice what ε multiplies. Meshes, which do not measure edges from
+/// their nearer corner, add $8 \varepsilon \rho / \delta$ instead, with δ also the distance of the centre from an edge inside the ball.
 ///
 /// The constants are not derived operation by operation: they are twice the largest error, or more, seen against 256 bits
 /// over six million random and adversarial pairs, which the tests repeat.

@@ -6,67 +6,17 @@ use fieldstone_geometry::{
     Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, PROMISE, Polyhedron, Precision, certified_overlap,
     fast_overlap, fast_overlap_volume, overlap_in, overlap_volume,
 };
+use fieldstone_testing::pairs::{self, Random};
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in (−1, 1).
-    fn signed(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    fn point(&mut self) -> [f64; 3] {
-        [self.signed(), self.signed(), self.signed()]
-    }
-}
-
-fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
-    [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// A tetrahedron, or an affine image of the unit wedge, pyramid or cube: generic, on a lattice, flattened, or offset.
 fn element(random: &mut Random) -> Option<Polyhedron> {
-    let kind = ElementKind::STANDARD[random.below(4) as usize];
-    let lattice = random.below(4) == 0;
-    let mut axes = [random.point(), random.point(), random.point()];
-    let origin = if random.below(8) == 0 { random.point().map(|x| x * 1e6) } else { random.point() };
-    if lattice {
-        axes = axes.map(|a| a.map(|x| (4.0 * x).round() / 4.0));
-    }
-    if random.below(4) == 0 {
-        let flat = 10f64.powf(3.0 * random.signed() - 3.0);
-        let [a, b, c] = axes;
-        axes[2] = [0, 1, 2].map(|k| flat * c[k] + a[k] * 0.4 + b[k] * 0.3);
-    }
-    let at = |u: f64, v: f64, w: f64| [0, 1, 2].map(|k| origin[k] + u * axes[0][k] + v * axes[1][k] + w * axes[2][k]);
-    let corners = match kind {
-        ElementKind::Tetrahedron => vec![at(0., 0., 0.), at(1., 0., 0.), at(0., 1., 0.), at(0., 0., 1.)],
-        ElementKind::Pyramid => vec![at(0., 0., 0.), at(1., 0., 0.), at(1., 1., 0.), at(0., 1., 0.), at(0.5, 0.5, 1.)],
-        ElementKind::Wedge => {
-            vec![at(0., 0., 0.), at(1., 0., 0.), at(0., 1., 0.), at(0., 0., 1.), at(1., 0., 1.), at(0., 1., 1.)]
-        }
-        _ => [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
-            .map(|[u, v, w]| at(f64::from(u), f64::from(v), f64::from(w)))
-            .to_vec(),
-    };
-    Polyhedron::element(kind, CornerOrder::Cgns, &corners, Orientation::Fix).ok()
+    let (kind, corners) = pairs::element(random);
+    Polyhedron::element(ElementKind::STANDARD[kind], CornerOrder::Cgns, &corners, Orientation::Fix).ok()
+}
+
+fn ball(element: &Polyhedron, random: &mut Random) -> Option<Ball> {
+    let corners: Vec<[f64; 3]> = element.corners().collect();
+    let (centre, radius) = pairs::ball(&corners, element.bounds(), random);
+    Ball::new(centre, radius).ok()
 }
 
 fn size(element: &Polyhedron) -> f64 {
@@ -74,36 +24,12 @@ fn size(element: &Polyhedron) -> f64 {
     (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
 }
 
-/// A ball near the element: its centre anywhere, on a corner, edge or face; its surface anywhere or through a corner,
-/// or touching an edge or a face.
-fn ball(element: &Polyhedron, random: &mut Random) -> Option<Ball> {
-    let corners: Vec<[f64; 3]> = element.corners().collect();
-    let pick = |random: &mut Random| corners[random.below(corners.len() as u64) as usize];
-    let (low, high) = element.bounds();
-    let size = size(element);
-    let (a, b, c) = (pick(random), pick(random), pick(random));
-    let centre = match random.below(8) {
-        0 => a,
-        1 => mix(a, b, 0.5 + 0.5 * random.signed()),
-        2 => mix(mix(a, b, 0.5), c, 0.5 + 0.5 * random.signed()),
-        _ => {
-            let reach = size * 10f64.powf(1.5 * random.signed());
-            let p = random.point();
-            [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]) + reach * p[k])
-        }
-    };
-    let radius = match random.below(6) {
-        0 => distance(centre, pick(random)),
-        1 => distance(centre, mix(a, b, 0.5)),
-        2 => size * 10f64.powf(6.0 * random.signed()),
-        3 => size * 10f64.powf(2.0 * random.signed()),
-        _ => distance(centre, mix(a, b, 0.5 + 0.5 * random.signed())) * (1.0 + 0.3 * random.signed()),
-    };
-    Ball::new(centre, radius).ok()
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Pairs tried by default; `FIELDSTONE_PAIRS` asks for more.
-fn pairs() -> u64 {
+fn count() -> u64 {
     std::env::var("FIELDSTONE_PAIRS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
 }
 
@@ -185,7 +111,7 @@ fn three_corners_of_a_line_have_a_bound_in_every_precision() {
 fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
     let (mut compared, mut beyond, mut worst) = (0u64, [0u64; 3], [0.0f64; 3]);
     let mut ratios = Vec::new();
-    for seed in 0..pairs() {
+    for seed in 0..count() {
         let random = &mut Random(seed);
         let Some(element) = element(random) else { continue };
         let Some(ball) = ball(&element, random) else { continue };
@@ -232,7 +158,7 @@ fn the_bound_encloses_the_error_of_f64_and_the_promise_is_kept() {
         worst[2],
         ratios[ratios.len() / 2]
     );
-    assert!(compared > pairs() / 2);
+    assert!(compared > count() / 2);
 }
 
 #[test]

@@ -15,6 +15,8 @@ mod cuboid_overlap;
 mod cylinder;
 mod cylinder_overlap;
 mod error;
+#[cfg(test)]
+mod error_bounds;
 mod face_inside;
 mod faces;
 mod from_cells;

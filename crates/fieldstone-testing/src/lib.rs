@@ -4,6 +4,8 @@
 //! checkout, in `../shared/data`, or wherever `FIELDSTONE_DATA` points; a test that needs one of them asks
 //! [`extended`] and returns early, saying so, where the set is missing.
 
+pub mod pairs;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

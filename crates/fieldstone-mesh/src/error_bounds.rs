@@ -1,0 +1,76 @@
+//! The bounds of the errors of volumes in `f64`, from inside and from outside, against more digits.
+
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, PROMISE, Precision, certified_overlap, overlap_in};
+use fieldstone_testing::pairs::{self, Random};
+
+use crate::ball_overlap::Way;
+use crate::{CellList, Cells, Mesh};
+
+/// Pairs of each kind tried by default; `FIELDSTONE_PAIRS` asks for more.
+fn count() -> u64 {
+    std::env::var("FIELDSTONE_PAIRS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
+}
+
+/// A mesh of one cell; `None` for corners that enclose no volume.
+fn cell(random: &mut Random) -> Option<Mesh> {
+    let (kind, corners) = pairs::element(random);
+    let mut list = CellList::new();
+    let labels: Vec<u32> = (0..corners.len() as u32).collect();
+    list.push(ElementKind::STANDARD[kind], CornerOrder::Cgns, &labels).ok()?;
+    Mesh::from_cells(corners, list).ok()
+}
+
+/// Error over bound of the volume from inside and from outside, where the bound is within the promise.
+fn errors_over_bounds(mesh: &Mesh, ball: &Ball) -> [Option<f64>; 2] {
+    // What the bound is for is the mesh's own cell, with its rounded centroids.
+    let Ok(alone) = mesh.polyhedron_of_pieces(0) else { return [None; 2] };
+    let certain = match certified_overlap(ball, &alone) {
+        found if found.precision == Precision::F64 => overlap_in(ball, &alone, Precision::DoubleDouble),
+        found => found,
+    };
+    let allowed = PROMISE * ball.volume().min(mesh.cell_volumes()[0]);
+    [Way::Inside, Way::Outside].map(|way| {
+        let mut scratch = mesh.fast_scratch();
+        scratch.next_ball();
+        let found = mesh.cell_in_f64(ball, 0, way, &mut scratch, true).ok()?;
+        let bound = found.error.filter(|&bound| bound <= allowed)?;
+        Some(((found.volume - certain.overlap.volume).abs() - certain.volume_error) / bound)
+    })
+}
+
+/// The largest of [`errors_over_bounds`], with balls by `ball` from a cell's corners and bounds.
+fn largest(ball: impl Fn(&Mesh, &mut Random) -> ([f64; 3], f64)) -> [f64; 2] {
+    let (mut compared, mut worst) = ([0u64; 2], [0.0f64; 2]);
+    for seed in 0..count() {
+        let random = &mut Random(seed);
+        let Some(mesh) = cell(random) else { continue };
+        let (centre, radius) = ball(&mesh, random);
+        let Ok(ball) = Ball::new(centre, radius) else { continue };
+        for (k, ratio) in errors_over_bounds(&mesh, &ball).into_iter().enumerate() {
+            compared[k] += u64::from(ratio.is_some());
+            worst[k] = worst[k].max(ratio.unwrap_or(0.0));
+        }
+    }
+    println!("{compared:?} pairs from inside and outside; largest error / bound {worst:.3?}");
+    assert!(compared.iter().all(|&n| n > count() / 20));
+    worst
+}
+
+#[test]
+fn the_bounds_of_accepted_volumes_enclose_twice_their_errors() {
+    let worst = largest(|mesh, random| pairs::ball(&mesh.parts().points, mesh.cell_bounds(0), random));
+    assert!(worst.iter().all(|&ratio| ratio <= 0.5), "{worst:?}");
+}
+
+#[test]
+fn the_bounds_hold_for_small_balls_near_edges_where_angles_lose_digits() {
+    let worst = largest(|mesh, random| {
+        let corners = &mesh.parts().points;
+        let [a, b] = [0, 1].map(|_| corners[random.below(corners.len() as u64) as usize]);
+        let along = 0.5 + 0.5 * random.signed();
+        let radius = 10f64.powf(4.0 * random.signed() - 2.0);
+        let (off, direction) = (radius * 10f64.powf(0.75 * random.signed() - 1.0), random.point());
+        ([0, 1, 2].map(|k| a[k] + along * (b[k] - a[k]) + off * direction[k]), radius)
+    });
+    assert!(worst.iter().all(|&ratio| ratio <= 0.5), "{worst:?}");
+}
