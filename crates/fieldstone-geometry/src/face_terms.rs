@@ -244,6 +244,14 @@ fn outside_piece<R: Real>(d: R, h: R, beyond: R, a: EdgePoint<R>, b: EdgePoint<R
 /// the triple product of the corners without its cancellation for far or small triangles.
 ///
 /// Precondition: at least two corners; fewer panic. Source: `vanoosterom1983`, Eq. 8.
+///
+/// ```
+/// use fieldstone_geometry::{Vector, polygon_solid_angle};
+/// // From its centre each of the six faces of a cube takes a sixth of the sphere.
+/// let face = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[x, y]| Vector::new(x, y, 1.0));
+/// let solid_angle = polygon_solid_angle(Vector::new(0.0, 0.0, 1.0), &face);
+/// assert!((solid_angle - 4.0 * std::f64::consts::PI / 6.0).abs() < 1e-15);
+/// ```
 pub fn polygon_solid_angle<R: Real>(normal: Vector<R>, corners: &[Vector<R>]) -> R {
     let zero = R::from_f64(0.0);
     let apex = corners[0];

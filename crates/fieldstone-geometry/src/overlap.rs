@@ -208,6 +208,17 @@ pub fn overlap(ball: &Ball, polyhedron: &Polyhedron) -> Overlap {
 }
 
 /// Everything in `f64` alone, with bounds of the errors.
+///
+/// ```
+/// use fieldstone_geometry::{Ball, Polyhedron, fast_overlap};
+/// let cube = Polyhedron::cuboid([0.0; 3], [1.0; 3])?;
+/// let ball = Ball::new([0.5, 0.5, 0.0], 0.25)?;
+/// let found = fast_overlap(&ball, &cube);
+/// // The bottom face cuts the ball in half.
+/// assert!((found.overlap.volume - 0.5 * ball.volume()).abs() <= found.volume_error);
+/// assert!(found.volume_error < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fast_overlap(ball: &Ball, polyhedron: &Polyhedron) -> CertifiedOverlap {
     let mut face_areas = vec![0.0; polyhedron.face_areas().len()];
     let certified = |overlap: Overlap, volume_error: f64, area_error: f64, sphere_error: f64| CertifiedOverlap {
@@ -335,6 +346,19 @@ fn finish_volume(ball: &Ball, element_volume: f64, sums: &Sums) -> f64 {
 ///
 /// `volume3` is $\sum (d_f A_f + \Omega_f)$, `solid_angle` $\sum \Omega_f$; `touched` says whether any face area is not 0.
 /// Where no face meets the ball the solid angle is 0 or 4π, and the result exactly 0 or the ball's volume.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use fieldstone_geometry::{Ball, volume_from_terms};
+/// let ball = Ball::new([0.0; 3], 2.0)?;
+/// // A large element that cuts the ball through its centre: no distance, and the solid angle of half the sphere.
+/// let half = volume_from_terms(&ball, 1e3, 2.0 * PI, 2.0 * PI, true);
+/// assert!((half - 0.5 * ball.volume()).abs() < 1e-14);
+/// // No face meets the ball: 4π with the element around it, 0 without.
+/// assert_eq!(volume_from_terms(&ball, 1e3, 4.0 * PI, 4.0 * PI, false), ball.volume());
+/// assert_eq!(volume_from_terms(&ball, 1e3, 0.0, 0.0, false), 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[inline]
 pub fn volume_from_terms(ball: &Ball, element_volume: f64, volume3: f64, solid_angle: f64, touched: bool) -> f64 {
     if !touched {

@@ -29,6 +29,13 @@ pub fn polygon_area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
 ///
 /// For a polyhedron whose warped faces are fanned around this point, the volume equals the one that OpenFOAM
 /// computes, because all triangles of a fan share their apex.
+///
+/// ```
+/// use fieldstone_geometry::polygon_centroid;
+/// // A trapezium with parallel sides of 4 and 2, and a height of 2.
+/// let [x, y, z] = polygon_centroid(&[[0.0; 3], [4.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+/// assert!((x - 14.0 / 9.0).abs() < 1e-15 && (y - 8.0 / 9.0).abs() < 1e-15 && z == 0.0);
+/// ```
 pub fn polygon_centroid(corners: &[[f64; 3]]) -> [f64; 3] {
     let mean = mean(corners);
     if corners.len() == 3 {
@@ -47,6 +54,13 @@ pub fn polygon_centroid(corners: &[[f64; 3]]) -> [f64; 3] {
 /// Largest distance of a corner from the plane through the centroid normal to the area vector.
 ///
 /// 0 for a triangle; infinity for a polygon without area, which has no plane.
+///
+/// ```
+/// use fieldstone_geometry::polygon_warp;
+/// // A saddle: corners in turn above and below the plane.
+/// let saddle = [[0.0, 0.0, 0.125], [1.0, 0.0, -0.125], [1.0, 1.0, 0.125], [0.0, 1.0, -0.125]];
+/// assert_eq!(polygon_warp(&saddle), 0.125);
+/// ```
 pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
     if corners.len() == 3 {
         return 0.0;
@@ -62,6 +76,14 @@ pub fn polygon_warp(corners: &[[f64; 3]]) -> f64 {
 /// How a planar polygon magnifies rounding: the square of its extent from the first corner over twice its area, at least 1.
 ///
 /// The unit normal of a polygon with this flatness, computed from rounded corners, is off by about flatness × ε.
+///
+/// ```
+/// use fieldstone_geometry::flatness;
+/// let rectangle = |a: f64, b: f64| [[0.0; 3], [a, 0.0, 0.0], [a, b, 0.0], [0.0, b, 0.0]];
+/// assert!((flatness(&rectangle(1.0, 1.0)) - 1.0).abs() < 1e-15);
+/// // (10² + 1²) / (2 · 10)
+/// assert!((flatness(&rectangle(10.0, 1.0)) - 5.05).abs() < 1e-14);
+/// ```
 pub fn flatness(corners: &[[f64; 3]]) -> f64 {
     let twice_area = 2.0 * DVec3::from(polygon_area_vector(corners)).length();
     // Finite, so that a face of which nothing is inside adds nothing to a bound, however flat it is.
@@ -70,11 +92,28 @@ pub fn flatness(corners: &[[f64; 3]]) -> f64 {
 
 /// Upper bound of the distance of the corners from a common plane: 0 exactly where they lie in one, else
 /// [`polygon_warp`] and what rounding may have hidden.
+///
+/// ```
+/// use fieldstone_geometry::warp_bound;
+/// assert_eq!(warp_bound(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]), 0.0);
+/// let saddle = [[0.0, 0.0, 0.125], [1.0, 0.0, -0.125], [1.0, 1.0, 0.125], [0.0, 1.0, -0.125]];
+/// let bound = warp_bound(&saddle);
+/// assert!(bound > 0.125 && bound < 0.125 + 1e-14);
+/// ```
 pub fn warp_bound(corners: &[[f64; 3]]) -> f64 {
     if is_exactly_planar(corners) { 0.0 } else { polygon_warp(corners) + 8.0 * f64::EPSILON * extent(corners) }
 }
 
 /// Whether the corners lie in one plane, decided without rounding for coordinates of like magnitude.
+///
+/// ```
+/// use fieldstone_geometry::is_exactly_planar;
+/// // In the plane x + y + z = 1, then with one coordinate moved by its last bit.
+/// let mut corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.75, 0.75], [0.25, 0.25, 0.5]];
+/// assert!(is_exactly_planar(&corners));
+/// corners[3][2] = f64::next_up(0.5);
+/// assert!(!is_exactly_planar(&corners));
+/// ```
 pub fn is_exactly_planar(corners: &[[f64; 3]]) -> bool {
     let [first, _, _, ..] = corners else { return true };
     if corners.len() == 3 || (0..3).any(|k| corners.iter().all(|p| p[k] == first[k])) {

@@ -22,6 +22,16 @@ use crate::{NodeField, Nodes, SurfaceError, Surroundings};
 ///
 /// # Errors
 /// Two dimensions; a smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
+///
+/// ```
+/// use fieldstone_surface::{Nodes, Surroundings, density_field};
+/// // At a particle that is alone: Δx³ W(0) = 21/(16 π h³), here with Δx = 1 and h = 1.25.
+/// let nodes = Nodes::new([0.0; 3], [1.0; 3], [2; 3])?;
+/// let field = density_field(&[[0.0; 3]], &Surroundings::new(1.0), &nodes, 1.25)?;
+/// let expected = 21.0 / (16.0 * std::f64::consts::PI * 1.25f64.powi(3));
+/// assert!((field.values[0] - expected).abs() < 1e-15);
+/// # Ok::<(), fieldstone_surface::SurfaceError>(())
+/// ```
 pub fn density_field(
     positions: &[[f64; 3]],
     surroundings: &Surroundings,

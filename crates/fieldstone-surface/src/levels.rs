@@ -17,6 +17,20 @@ use crate::{Detection, Scene, SurfaceError};
 ///
 /// # Errors
 /// `vicinity` is not above 0 or `positions` are not those of the scene.
+///
+/// ```
+/// use fieldstone_surface::{Exact, SurfaceDetection, Surroundings, levels};
+/// // 9 × 9 × 9 particles: the outermost layer, the one below it, and 5 × 5 × 5 inside.
+/// let block: Vec<[f64; 3]> = (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(f64::from)).collect();
+/// let surroundings = Surroundings::new(1.0);
+/// let method = Exact::default();
+/// let grid = surroundings.grid(&block, method.reach(1.0))?;
+/// let scene = surroundings.scene(&grid);
+/// let found = levels(&scene, &block, &method.detect(&scene)?, 1.5)?;
+/// let count = |level: u8| found.iter().filter(|&&l| l == level).count();
+/// assert_eq!([count(0), count(1), count(2)], [729 - 343, 343 - 125, 125]);
+/// # Ok::<(), fieldstone_surface::SurfaceError>(())
+/// ```
 pub fn levels(
     scene: &Scene<'_>,
     positions: &[[f64; 3]],

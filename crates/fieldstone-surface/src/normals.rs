@@ -26,6 +26,18 @@ const ILL_CONDITIONED: f64 = 0.1;
 ///
 /// # Errors
 /// As [`SurfaceDetection::label`](crate::SurfaceDetection::label).
+///
+/// ```
+/// use fieldstone_surface::{Kernel, Smoothing, Surroundings, normals};
+/// // The particle in the middle of a block's upper face.
+/// let block: Vec<[f64; 3]> = (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(f64::from)).collect();
+/// let surroundings = Surroundings::new(1.0);
+/// let smoothing = Smoothing { kernel: Kernel::WendlandC2, length: 2.0 };
+/// let grid = surroundings.grid(&block, smoothing.support())?;
+/// let [x, y, z] = normals(&surroundings.scene(&grid), &smoothing)?[8 * 81 + 4 * 9 + 4];
+/// assert!(x.abs() < 1e-12 && y.abs() < 1e-12 && (z - 1.0).abs() < 1e-12);
+/// # Ok::<(), fieldstone_surface::SurfaceError>(())
+/// ```
 pub fn normals(scene: &Scene<'_>, smoothing: &Smoothing) -> Result<Vec<[f64; 3]>, SurfaceError> {
     smoothing.validate()?;
     let reach = smoothing.support() * scene.spacing;

@@ -12,6 +12,19 @@ const COINCIDENT: f64 = 0.05;
 /// so the typical distance of nearest neighbours among 256 particles is compared with it. Two-dimensional data in
 /// three dimensions, where every particle is on the free surface, is noticed by one coordinate being constant.
 /// Particles in the place of others are noticed where they are many.
+///
+/// ```
+/// use fieldstone_surface::{Surroundings, implausibilities};
+/// // Particles 1 apart, and a spacing in a unit ten times as large.
+/// let block: Vec<[f64; 3]> = (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(f64::from)).collect();
+/// for (spacing, expected) in [(1.0, 0), (10.0, 1)] {
+///     let surroundings = Surroundings::new(spacing);
+///     let findings = implausibilities(&surroundings.scene(&surroundings.grid(&block, 2.5 * spacing)?));
+///     assert_eq!(findings.len(), expected);
+///     assert!(findings.iter().all(|text| text.contains("typically 1.000e0 apart, but the spacing is 10")));
+/// }
+/// # Ok::<(), fieldstone_surface::SurfaceError>(())
+/// ```
 pub fn implausibilities(scene: &Scene<'_>) -> Vec<String> {
     let grid = scene.grid;
     let mut findings = Vec::new();

@@ -22,6 +22,16 @@ pub struct Sensitivity {
 ///
 /// # Errors
 /// A radius or angle outside its range; as [`Surroundings::grid`].
+///
+/// ```
+/// use fieldstone_surface::{Surroundings, sensitivity};
+/// let block: Vec<[f64; 3]> = (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(f64::from)).collect();
+/// let found = sensitivity(&block, &Surroundings::new(1.0), &[2.0, 2.5], &[45.0])?;
+/// // On a lattice the outermost layer, for either radius.
+/// let counts: Vec<usize> = found.iter().map(|case| case.detection.free_surface()).collect();
+/// assert_eq!(counts, [729 - 343; 2]);
+/// # Ok::<(), fieldstone_surface::SurfaceError>(())
+/// ```
 pub fn sensitivity(
     positions: &[[f64; 3]],
     surroundings: &Surroundings,
