@@ -237,7 +237,8 @@ fn a_spacing_of_another_unit_makes_no_surface() {
     let folder = folder();
     for spacing in ["100", "0.0001"] {
         for (command, out) in [("surface", "ply"), ("grid", "vti")] {
-            let run = folder.fieldstone(&format!("{command} --particles fluid.csv --spacing {spacing} --out out.{out}"));
+            let run =
+                folder.fieldstone(&format!("{command} --particles fluid.csv --spacing {spacing} --out out.{out}"));
             assert_eq!(run.code, Some(1));
             // The block's spacing is 0.1; in ten layers even inner particles lack some neighbours.
             let message = run.stderr;
