@@ -111,7 +111,7 @@ pub(super) fn finite(option: &str, column: &Quantity, fluid: Option<&[bool]>, fi
 /// Refuses a spacing that cannot be the particles': `measured` is their own distance.
 pub(super) fn spacing(given: f64, measured: f64, file: &str) -> anyhow::Result<()> {
     let ratio = given / measured;
-    if ratio > TOO_WIDE || ratio < TOO_NARROW {
+    if !(TOO_NARROW..=TOO_WIDE).contains(&ratio) {
         bail!(
             "--spacing {given}: {file}: the particles are some {measured:.3e} apart, by their number density; give \
              --spacing {measured:.3e}, or check its unit"
