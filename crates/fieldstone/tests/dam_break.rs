@@ -48,6 +48,12 @@ fn a_reproduction_that_is_stopped_goes_on_to_the_same_tables() {
     // Frames that are there are not computed again.
     std::fs::remove_file(folder.path("pieces/flows/dam-break-slab_0.12_rk4_cfl1.5/checkpoint.bin")).unwrap();
     folder.succeeds(&format!("reproduce dam-break pieces {COARSE} --only table1"));
+    // A flow of other settings is not taken for this one, whatever its end.
+    let case = "pieces/flows/dam-break-slab_0.12_rk4_cfl1.5/case.toml";
+    let text = String::from_utf8(read(case)).unwrap();
+    folder.write(case, text.replace("delta = 0.1\n", "delta = 0.2\n"));
+    let said = folder.fails(&format!("reproduce dam-break pieces {COARSE} --only table1"));
+    assert!(said.contains("case.toml: this flow was computed with other settings"), "{said}");
 }
 
 #[test]

@@ -61,3 +61,36 @@ fn a_mistake_in_a_case_is_named_with_its_line() {
     let said = folder.fails(&format!("sph run {file}"));
     assert!(said.contains("hydrostatic.toml:15: unknown field `alfa`, expected one of"), "{said}");
 }
+
+#[test]
+fn particles_too_fast_for_the_speed_of_sound_are_told() {
+    let folder = Folder::new();
+    // A block falls for 0.15 s, to 1.5 m/s; ten times the expected speed is a speed of sound of 4 or of 20.
+    let falling = |speed: f64| {
+        format!(
+            "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [1, 2]\n[fluid]\ndensity = 1000\nexpected_speed = {speed}\n\
+             expected_pressure = 0\ngravity = [0, -9.81]\n[time]\nend = 0.15\n[[fill]]\nshape = \"box\"\nlow = [0.4, 1.5]\n\
+             high = [0.6, 1.7]\n"
+        )
+    };
+    folder.write("slow.toml", falling(0.4));
+    folder.write("right.toml", falling(2.0));
+    let slow = folder.succeeds("sph run slow.toml");
+    assert!(slow.stderr.contains("warning: particles were as fast as 1.4"), "{}", slow.stderr);
+    assert!(slow.stderr.contains("with a speed of sound of 4: the fluid was compressible"), "{}", slow.stderr);
+    let right = folder.succeeds("sph run right.toml");
+    assert!(right.stdout.contains("largest speed        1.4") && !right.stderr.contains("warning"), "{}", right.stderr);
+}
+
+#[test]
+fn check_tells_by_how_much_fills_are_too_heavy() {
+    let folder = Folder::new();
+    let file = case(&folder, "hydrostatic", "0.05");
+    let even = folder.succeeds(&format!("sph check {file}")).stdout;
+    assert!(!even.contains("excess mass"), "{even}");
+    // 0.49 m are 9.8 spacings, filled with 10 layers.
+    let text = std::fs::read_to_string(folder.path(&file)).unwrap().replace("high = [1.0, 0.5]", "high = [1.0, 0.49]");
+    folder.write(&file, text);
+    let odd = folder.succeeds(&format!("sph check {file}")).stdout;
+    assert!(odd.contains("excess mass          +2.04 %"), "{odd}");
+}
