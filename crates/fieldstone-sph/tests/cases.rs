@@ -126,6 +126,12 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
             "c.toml:30: walls 2 and 3 face the same way; one mirror wall may bound the fluid on a side",
         ),
         (
+            // A face named open again and again is one open face.
+            "open = [\"y+\"]",
+            "open = [\"y+\", \"y+\", \"y+\", \"y+\", \"y+\"]\n[[wall]]\nkind = \"plane\"\npoint = [0, 0]\nnormal = [0, 1]",
+            "c.toml:32: walls 0 and 3 face the same way",
+        ),
+        (
             "[[wall]]\nkind = \"tank\"",
             "[[wall]]\nkind = \"plane\"\npoint = [0, 0.55]\nnormal = [0, 1]",
             "c.toml:22: nothing is filled: the shapes are smaller than the spacing, or all in bodies or behind walls",

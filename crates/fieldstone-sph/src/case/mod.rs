@@ -276,14 +276,34 @@ impl Case {
 
     /// Number of the section that a mirror wall comes from.
     fn section_of_wall(&self, wall: usize) -> usize {
-        let sides =
-            2 * (self.sections.dimension - self.sections.domain.periodic.len()) - self.sections.domain.open.len();
-        let counts = self.sections.wall.iter().map(|w| if w.kind == WallKind::Tank { sides } else { 1 });
-        let ends = counts.scan(0, |end, count| {
-            *end += count;
+        let walls = self.sections.wall.iter();
+        let ends = walls.scan(0, |end, section| {
+            *end += self.planes_of(section).len();
             Some(*end)
         });
         ends.take_while(|&end| end <= wall).count()
+    }
+
+    /// Normals and offsets of the mirror walls that a section stands for: of a tank those of all faces but open and periodic ones.
+    fn planes_of(&self, wall: &WallSection) -> Vec<([f64; 3], f64)> {
+        let Sections { domain, dimension, .. } = &self.sections;
+        if let (Some(point), Some(normal)) = (&wall.point, &wall.normal) {
+            let offset = point.iter().zip(normal).map(|(p, n)| p * n).sum();
+            return vec![(std::array::from_fn(|k| normal.get(k).copied().unwrap_or(0.0)), offset)];
+        }
+        let mut planes = Vec::new();
+        for axis in 0..*dimension {
+            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                let face = format!("{}{}", ["x", "y", "z"][axis], ["-", "+"][side]);
+                if domain.periodic.iter().any(|p| *p as usize == axis) || domain.open.contains(&face) {
+                    continue;
+                }
+                let mut normal = [0.0; 3];
+                normal[axis] = sign;
+                planes.push((normal, sign * if side == 0 { domain.low[axis] } else { domain.high[axis] }));
+            }
+        }
+        planes
     }
 
     fn boundaries(&self) -> Result<Boundaries, SphError> {
@@ -304,30 +324,15 @@ impl Case {
             boundaries.open[axis][side] = true;
         }
         for (nth, wall) in s.wall.iter().enumerate() {
-            let mut add = |normal: [f64; 3], offset: f64| -> Result<(), SphError> {
+            if let (Some(point), Some(normal)) = (&wall.point, &wall.normal)
+                && (point.len() != s.dimension || normal.len() != s.dimension)
+            {
+                let message = format!("point and normal must have {} numbers each", s.dimension);
+                return Err(self.fault("wall", nth, "point", message));
+            }
+            for (normal, offset) in self.planes_of(wall) {
                 let plane = Wall::new(normal, offset).map_err(|e| self.fault("wall", nth, "normal", e.to_string()))?;
                 boundaries.walls.push(MirrorWall { plane, slip: wall.slip.into() });
-                Ok(())
-            };
-            if let (Some(point), Some(normal)) = (&wall.point, &wall.normal) {
-                if point.len() != s.dimension || normal.len() != s.dimension {
-                    let message = format!("point and normal must have {} numbers each", s.dimension);
-                    return Err(self.fault("wall", nth, "point", message));
-                }
-                let offset = point.iter().zip(normal).map(|(p, n)| p * n).sum();
-                add(std::array::from_fn(|k| normal.get(k).copied().unwrap_or(0.0)), offset)?;
-                continue;
-            }
-            for axis in 0..s.dimension {
-                for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let face = format!("{}{}", ["x", "y", "z"][axis], ["-", "+"][side]);
-                    if s.domain.periodic.iter().any(|p| *p as usize == axis) || s.domain.open.contains(&face) {
-                        continue;
-                    }
-                    let mut normal = [0.0; 3];
-                    normal[axis] = sign;
-                    add(normal, sign * if side == 0 { low[axis] } else { high[axis] })?;
-                }
             }
         }
         for (nth, body) in s.body.iter().enumerate() {
