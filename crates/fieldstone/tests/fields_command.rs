@@ -1,87 +1,14 @@
-//! `fieldstone fields` and `fieldstone plot` as users run them, on small cases that come with the tests.
+//! `fieldstone fields` as users run it, on small cases that come with the tests: closed forms, conservation, balances.
 
 #![allow(clippy::unwrap_used)]
 
 mod support;
 
 use std::f64::consts::PI;
-use std::io::Write;
-use std::path::Path;
 
 use fieldstone::io::{CsvTable, read_stat, vtk};
 use support::Folder;
-
-/// Five grains of a chute flow with all contacts among them and with the floor; periodic in x and y.
-fn grains() -> Folder {
-    let folder = Folder::new();
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fieldstone-io/tests/fixtures/contacts");
-    for (from, to) in [
-        ("liggghts_part.dump", "part.dump"),
-        ("liggghts_pair.dump", "pair.dump"),
-        ("liggghts_wall.dump", "wall.dump"),
-        ("lammps_part.dump", "lammps.dump"),
-        ("lammps_pair.dump", "lammps_pair.dump"),
-    ] {
-        folder.copy(&fixtures.join(from), to);
-    }
-    folder
-}
-
-const GRAINS: &str = "fields --particles part.dump --contacts pair.dump --contacts-preset liggghts-pair \
-                      --contacts wall.dump --contacts-preset liggghts-wall";
-
-/// Two balls of radius 1/2 pressed together in a MercuryDPM box of two frames, one of them on the floor.
-fn mercury() -> Folder {
-    let folder = Folder::new();
-    let frame = |t: f64, v: f64| {
-        format!("2 {t} 0 0 0 2 1 1\n0.5 0.5 0.5 {v} 0 0 0.5 0 0 0 0 0 0 0\n1.5 0.5 0.5 0 0 {v} 0.5 0 0 0 0 0 0 0\n")
-    };
-    folder.write("box.data", frame(0.0, 1.0) + &frame(1.0, 3.0));
-    let contacts = |t: f64| {
-        format!(
-            "# {t} 1\n# 0 0 0 2 1 1\n# 0.5 0.5 0 0 0 0\n{t} 0 1 1 0.5 0.5 0 0 2 0 -1 0 0 0 0 0\n{t} 1 0 1 0.5 0.5 0 0 2 0 1 0 0 0 0 0\n\
-             {t} 0 -1 0.5 0.5 0 0 0 5 0 0 0 -1 0 0 0\n"
-        )
-    };
-    folder.write("box.fstat", contacts(0.0) + &contacts(1.0));
-    folder.write(
-        "box.restart",
-        "MercuryDPM 1.0 name box\nxMin 0 xMax 2 yMin 0 yMax 1 zMin 0 zMax 1\ntimeStep 0.5 time 1 ntimeSteps 2 timeMax 1\n\
-         systemDimensions 3 particleDimensions 3 gravity 0 0 -1\nSpecies 1\nLinearViscoelasticSpecies id 0 density 3 \
-         stiffness 1\nWalls 0\nBoundaries 0\nParticles 0\nInteractions 0\n",
-    );
-    folder
-}
-
-const MERCURY: &str = "fields --particles box.data --contacts box.fstat --restart box.restart --cells 2,1,1";
-
-fn json(folder: &Folder, file: &str) -> serde_json::Value {
-    serde_json::from_slice(&std::fs::read(folder.path(file)).unwrap()).unwrap()
-}
-
-fn column(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
-    vtk::read_vtk(&folder.path(file)).unwrap().array(name).unwrap().values.to_f64()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
-fn size(a: &[f64]) -> f64 {
-    a.iter().map(|x| x.abs()).fold(0.0, f64::max)
-}
-
-#[track_caller]
-fn mentions(message: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(message.contains(part), "'{part}' is not in: {message}");
-    }
-}
+use support::cases::{GRAINS, MERCURY, apart, column, grains, json, mentions, mercury, numbers, size};
 
 #[test]
 fn a_liggghts_frame_with_pairs_and_walls_conserves_and_balances() {
@@ -153,47 +80,6 @@ fn a_mercury_box_gives_closed_forms_in_vti_csv_and_stat() {
         "CG<XYZ> min 0 0 0 max 2 1 1 timeMin 0 n 2 1 1 width 0 ExactOverlap\ntime x y z 5:VolumeFraction 6:"
     ));
     assert!(text.contains("\n1 0.5 0.5 0.5 0.523599 1.5708 4.71239 0 0 14.1372 "), "{text}");
-}
-
-#[test]
-fn series_become_one_file_per_frame_a_mean_or_a_smoothed_mean() {
-    let folder = mercury();
-    let momentum = |file: &str| column(&folder, file, "momentum")[0];
-    let m = 3.0 * PI / 6.0;
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
-    folder.succeeds(&format!("{MERCURY} --out all.pvd --json all.json"));
-    let steps = vtk::read_pvd(&folder.path("all.pvd")).unwrap();
-    assert_eq!(steps, [(0.0, folder.path("all_0.vti")), (1.0, folder.path("all_1.vti"))]);
-    assert!(near(momentum("all_0.vti"), m) && near(momentum("all_1.vti"), 3.0 * m));
-    assert_eq!(vtk::read_vtk(&folder.path("all_1.vti")).unwrap().time, Some(1.0));
-    assert_eq!(json(&folder, "all.json")["frames"], 2);
-    folder.succeeds(&format!("{MERCURY} --average --out mean.vti"));
-    assert!(near(momentum("mean.vti"), 2.0 * m));
-    // Around the first frame the second, one width away, counts e^(−1/2).
-    folder.succeeds(&format!("{MERCURY} --smooth 1 --out smooth.pvd"));
-    let w = (-0.5f64).exp();
-    assert!(near(momentum("smooth_0.vti"), (1.0 + 3.0 * w) / (1.0 + w) * m));
-    // Around the middle both count the same.
-    folder.succeeds(&format!("{MERCURY} --smooth 1 --out middle.vti"));
-    assert!(near(momentum("middle.vti"), 2.0 * m));
-    folder.succeeds(&format!("{MERCURY} --frames 0 --out first.vti"));
-    assert!(near(momentum("first.vti"), m));
-    // Temperature about the window's mean or each frame's: u is 1 and 3, so the variance is 1, a third of it in T.
-    for (which, expected) in [("window", 1.0 / 3.0), ("frame", 0.0)] {
-        folder.succeeds(&format!(
-            "{MERCURY} --average --fields granular_temperature --mean-velocity {which} --out t.vti"
-        ));
-        assert!(near(column(&folder, "t.vti", "granular_temperature")[0], expected));
-    }
-    let message = folder.fails(&format!("{MERCURY} --frames : --out two.vti"));
-    mentions(&message, &["two.vti: the frames give several results", ".pvd or .stat", "--average"]);
-    let message = folder.fails(&format!("{MERCURY} --frames 5: --out two.pvd"));
-    mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the range 5:; check --frames"]);
-    for (range, reason) in [("5", "range 5;"), ("-3", "range -3;"), ("1:0", "range 1:0, which ends before it begins;")]
-    {
-        let message = folder.fails(&format!("{MERCURY} --frames={range} --out two.pvd"));
-        mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the", reason]);
-    }
 }
 
 #[test]
@@ -499,62 +385,6 @@ fn particles_take_from_fields_what_cells_give() {
 }
 
 #[test]
-fn frames_computed_at_the_same_time_are_those_of_one_after_the_other() {
-    let folder = mercury();
-    // Seven frames: more than threads, and no multiple of them.
-    let (mut data, mut contacts) = (String::new(), String::new());
-    for frame in 0..7 {
-        let x = 0.4 + 0.03 * f64::from(frame);
-        data += &format!(
-            "2 {frame} 0 0 0 2 1 1\n{x} 0.5 0.5 {frame} 0 0 0.5 0 0 0 0 0 0 0\n1.5 0.5 0.5 0 0 1 0.5 0 0 0 0 0 0 0\n"
-        );
-        contacts += &format!(
-            "# {frame} 1\n# 0 0 0 2 1 1\n# 0.5 0.5 0 0 0 0\n{frame} 0 -1 {x} 0.5 0 0 0 {frame} 0 0 0 -1 0 0 0\n"
-        );
-    }
-    folder.write("many.data", data);
-    folder.write("many.fstat", contacts);
-    let run = |threads: &str, out: &str| {
-        let line = format!(
-            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --face-fields faces_{out} --to-particles \
-             back_{out} --out {out}"
-        );
-        let status = std::process::Command::new(env!("CARGO_BIN_EXE_fieldstone"))
-            .args(line.split_whitespace())
-            .current_dir(folder.path(""))
-            .env("RAYON_NUM_THREADS", threads)
-            .output()
-            .unwrap();
-        assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
-        let steps = vtk::read_pvd(&folder.path(out)).unwrap();
-        steps
-            .into_iter()
-            .map(|(time, path)| (time, column(&folder, path.file_name().unwrap().to_str().unwrap(), "density")))
-            .collect::<Vec<_>>()
-    };
-    let one = run("1", "one.pvd");
-    assert_eq!(one.len(), 7);
-    assert_eq!(run("4", "four.pvd"), one);
-    for frame in 0..7 {
-        // Each by itself, but for the settings that the file repeats.
-        folder.succeeds(&format!(
-            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --frames {frame} --out alone.vti"
-        ));
-        for name in ["density", "contact_stress"] {
-            let alone = column(&folder, "alone.vti", name);
-            assert_eq!(column(&folder, &format!("four_{frame}.vti"), name), alone, "{name} of frame {frame}");
-        }
-        let same = |name: &str| [format!("{name}_one_{frame}.vtp"), format!("{name}_four_{frame}.vtp")];
-        for [a, b] in [same("faces"), same("back")] {
-            assert_eq!(
-                vtk::read_vtk(&folder.path(&a)).unwrap().cell_data,
-                vtk::read_vtk(&folder.path(&b)).unwrap().cell_data
-            );
-        }
-    }
-}
-
-#[test]
 fn lammps_contacts_come_from_columns_or_presets() {
     let folder = grains();
     let particles = "fields --particles lammps.dump --cells 4 --fields contact_stress,boundary_force_density";
@@ -576,58 +406,6 @@ fn lammps_contacts_come_from_columns_or_presets() {
 }
 
 #[test]
-fn wrong_input_is_named_with_its_place_and_a_remedy() {
-    let folder = grains();
-    let edit = |file: &str, from: &str, to: &str| {
-        let text = std::fs::read_to_string(folder.path(file)).unwrap();
-        assert!(text.contains(from), "{file}: {from}");
-        folder.write(&format!("bad_{file}"), text.replacen(from, to, 1));
-    };
-    let mut all = String::new();
-    let mut show = |line: String| {
-        let message = folder.fails(&line);
-        all.push_str(&format!("$ fieldstone {line}\n{message}\n"));
-    };
-    edit("pair.dump", " 9922 ", " 4711 ");
-    let bad = GRAINS.replace("pair.dump", "bad_pair.dump");
-    show(format!("{bad} --cells 2 --out out.vti"));
-    edit("pair.dump", "\n26001\n", "\n26002\n");
-    show(format!("{bad} --cells 2 --out out.vti"));
-    folder.write("balls.csv", "x,y,z,radius,vx,vy,vz,s1,s2\n0,0,0,1,0,0,0,1,2\n");
-    show("fields --particles balls.csv --cells 2 --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s1,s2 --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s3 --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --fields contact_stress --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --fields speed --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --function lucy --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --width 1 --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --grid 0,0,0,1,1,1 --out out.vti".into());
-    show("fields --particles balls.csv --density 1 --out out.vti".into());
-    show("fields --particles balls.csv --density 1 --cells 2,2 --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --coordinates RZ --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --out out.vtu".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --periodic x --out out.vti".into());
-    show("fields --particles balls.csv --cells 2 --density 1 --out balls.csv".into());
-    show("fields --particles balls.csv --cells 2 --mass-column weight --out out.vti".into());
-    show("fields --cells 2 --out out.vti".into());
-    insta::assert_snapshot!("fields_messages", all);
-
-    let folder = mercury();
-    let text = std::fs::read_to_string(folder.path("box.fstat")).unwrap();
-    let second = text.rfind("# 1 1").unwrap();
-    folder.write("box.fstat", &text[..second]);
-    mentions(
-        &folder.fails(&format!("{MERCURY} --out out.stat")),
-        &["box.fstat: there are no more contacts for frame 1 of box.data"],
-    );
-    folder.write("box.fstat", &text);
-    mentions(
-        &folder.fails("fields --particles box.data --contacts box.fstat --cells 2 --out out.stat"),
-        &["box.data, frame 0: the particles have neither a column 'mass' nor 'density'", "--restart"],
-    );
-}
-
-#[test]
 fn the_account_on_the_terminal_reads_well() {
     let folder = grains();
     let run = folder.succeeds(&format!("{GRAINS} --cells 6,5,10 --out out.vti"));
@@ -642,49 +420,6 @@ fn the_account_on_the_terminal_reads_well() {
     insta::assert_snapshot!("fields_account", text.lines().map(steady).collect::<Vec<_>>().join("\n"));
     insta::assert_snapshot!("help_fields", folder.succeeds("fields --help").stdout);
     insta::assert_snapshot!("help_plot", folder.succeeds("plot --help").stdout);
-}
-
-/// Width, height and how many colours a PNG has.
-fn picture(path: &Path) -> (u32, u32, usize) {
-    let mut reader =
-        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap())).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    let colours: std::collections::HashSet<[u8; 3]> = pixels.as_chunks::<3>().0.iter().copied().collect();
-    (info.width, info.height, colours.len())
-}
-
-#[test]
-fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
-    let folder = grains();
-    let fields = "--fields density,velocity,contact_stress";
-    for out in ["g.vti", "g.csv", "g.stat"] {
-        folder.succeeds(&format!("{GRAINS} --cells 8,8,30 {fields} --out {out}"));
-        folder.succeeds(&format!("plot {out} --field contact_stress --component zz --slice z=0.001 --out slice.png"));
-        let (width, height, colours) = picture(&folder.path("slice.png"));
-        assert!(width > 500 && height > 500 && colours > 30, "{out}: {width} {height} {colours}");
-        folder.succeeds(&format!("plot {out} --field density --profile z --out profile.svg"));
-        let text = std::fs::read_to_string(folder.path("profile.svg")).unwrap();
-        mentions(&text, &["<svg", "density, mean by volume", ">\nz\n</text>"]);
-    }
-    folder.succeeds("plot g.vti --field velocity");
-    assert!(folder.path("g_velocity.png").is_file());
-    folder.succeeds(&format!("{GRAINS} --coordinates Z --cells 30 {fields} --out line.csv"));
-    folder.succeeds("plot line.csv --field velocity --out line.svg");
-    mentions(&std::fs::read_to_string(folder.path("line.svg")).unwrap(), &["velocity, mean by mass", "velocity y"]);
-    for (line, parts) in [
-        ("plot g.vti --field speed", ["no field 'speed'; it has", "density"]),
-        ("plot g.csv --field speed", ["no field 'speed'; it has", "density"]),
-        ("plot g.vti --field density --component x", ["density has no such component", "it is a scalar"]),
-        ("plot g.vti --field velocity --slice z=7", ["--slice z=7: the cells reach from", "to 0.12"]),
-        ("plot g.vti --field velocity --slice w=7", ["--slice w: choose one of", "x, y, z"]),
-        ("plot g.vti --field velocity --profile height", ["--profile height: choose one of", "x, y, z or r"]),
-        ("plot g.vti --field velocity --out a.gif", ["a.gif: pictures are", ".svg"]),
-        ("plot g.stat --field density --frame 3", ["frame 3 was asked for", "has 1"]),
-        ("plot part.dump --field density", ["part.dump: give a .vti", "fieldstone fields wrote"]),
-    ] {
-        mentions(&folder.fails(line), &parts);
-    }
 }
 
 #[test]
@@ -702,25 +437,6 @@ fn in_cells_of_several_periods_a_particle_gets_the_mean_over_its_images() {
     let back = CsvTable::read(&folder.path("back.csv")).unwrap();
     assert!((back.column("field_density").unwrap()[0] - 3.0).abs() < 1e-13);
     assert!((back.column("fraction_in_cells").unwrap()[0] - 2.0).abs() < 1e-13);
-}
-
-#[test]
-fn files_of_a_series_never_take_the_name_of_an_input() {
-    let folder = Folder::new();
-    let balls = "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0,0\n";
-    folder.write("balls.csv", balls);
-    let cells = "--grid 0,1,0,1,0,1 --cells 2 --fields density";
-    folder.succeeds(&format!("fields --particles balls.csv {cells} --to-particles run_1.vtp --out run_7.vti"));
-    for (line, input) in [
-        ("fields --particles run_1.vtp --to-particles run.pvd --out out.pvd", "run_1.vtp"),
-        ("fields --particles run_1.vtp --face-fields run.pvd --out out.pvd", "run_1.vtp"),
-        ("fields --particles balls.csv --out run.pvd --json run_3.vti", "run_3.vti"),
-    ] {
-        let message = folder.fails(&format!("{line} {cells}"));
-        mentions(&message, &["run.pvd", "run_NUMBER.vt", &format!("could overwrite {input}"), "choose another name"]);
-    }
-    // Results of an earlier run are replaced.
-    folder.succeeds(&format!("fields --particles balls.csv {cells} --out run.pvd"));
 }
 
 #[test]
@@ -752,101 +468,6 @@ fn the_default_grid_of_a_tilted_periodic_box_holds_everything_once() {
 }
 
 #[test]
-fn fields_that_hold_nothing_are_refused_with_what_led_to_them() {
-    let folder = Folder::new();
-    folder
-        .write("balls.csv", "x,y,z,radius,mass,vx,vy,vz,type\n0.3,0.3,0.3,0.1,1,0,0,0,1\n0.7,0.7,0.7,0.2,1,0,0,0,2\n");
-    let fields = "fields --particles balls.csv --fields density --out out.vti";
-    let unit = "--grid 0,1,0,1,0,1 --cells 4";
-    for (line, parts) in [
-        (
-            "--grid 10,11,0,1,0,1 --cells 4".into(),
-            &["balls.csv in the grid: none of the 2 particles", "check units"][..],
-        ),
-        (format!("{unit} --species 7"), &["--species: balls.csv: no particle is of type 7; the types are 1, 2"]),
-        (format!("{unit} --radii 1,0"), &["--radii", "radii from 1 to 0", "the smaller number first"]),
-        (format!("{unit} --region 5,0,0,1,0,1"), &["--region", "x of the region from 5 to 0", "smaller number first"]),
-        (format!("{unit} --radii 1,2"), &["none of the 2 particles is left by", "radii are 0.1 to 0.2"]),
-        (format!("{unit} --region 5,6,0,1,0,1"), &["is left by", "span (0.3, 0.3, 0.3) to (0.7, 0.7, 0.7)"]),
-        (
-            // The nearest centre of a cell is (0.075² · 3)^½ = 0.13 away.
-            format!("{unit} --function gauss --width 1 --cutoff 0.05"),
-            &["no cell's centre lies within 0.05 of a particle", "--cutoff, or smaller cells"],
-        ),
-    ] {
-        mentions(&folder.fails(&format!("{fields} {line}")), parts);
-    }
-    // One of several types may be missing, but not in silence.
-    let run = folder.succeeds(&format!("{fields} {unit} --species 1,7"));
-    mentions(&run.stderr, &["warning: --species: no particle is of type 7; the types are 1, 2"]);
-    // A series in which one frame has nothing in the cells is fine.
-    let ball = |x: f64| format!("x,y,z,radius,mass,vx,vy,vz\n{x},0.5,0.5,0.1,1,0,0,0\n");
-    folder.write("f_0.csv", ball(0.5));
-    folder.write("f_1.csv", ball(9.5));
-    folder.succeeds(&format!("fields --particles f_{{}}.csv {unit} --fields density --out out.pvd"));
-    mentions(
-        &folder.fails(&format!("fields --particles f_{{}}.csv --frames 1 {unit} --fields density --out out.pvd")),
-        &["f_0.csv in the grid: none of the 1 particles lies in the mesh"],
-    );
-}
-
-/// Compresses a file of the folder; the name of the result.
-fn compressed(folder: &Folder, name: &str) -> String {
-    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
-    packed.write_all(&std::fs::read(folder.path(name)).unwrap()).unwrap();
-    let to = format!("{name}.gz");
-    folder.write(&to, packed.finish().unwrap());
-    to
-}
-
-#[test]
-fn compressed_results_are_plotted_and_told_about_as_plain_ones() {
-    let folder = grains();
-    for out in ["g.vti", "g.csv", "g.stat"] {
-        folder.succeeds(&format!("{GRAINS} --cells 4,4,12 --fields density --out {out}"));
-        folder.succeeds(&format!("plot {out} --field density --profile z --out plain.svg"));
-        let packed = compressed(&folder, out);
-        folder.succeeds(&format!("plot {packed} --field density --profile z --out packed.svg"));
-        let [plain, packed] = ["plain.svg", "packed.svg"].map(|name| std::fs::read(folder.path(name)).unwrap());
-        assert!(plain == packed, "{out}");
-    }
-    assert_eq!(folder.succeeds("info g.vti.gz").stdout, folder.succeeds("info g.vti").stdout);
-    folder.succeeds("plot g.vti.gz --field density");
-    assert!(folder.path("g_density.png").is_file());
-    mentions(&folder.fails("plot part.dump.gz --field density"), &["part.dump.gz: give a .vti"]);
-}
-
-#[test]
-fn masses_that_cannot_be_are_told_with_file_column_and_value() {
-    let folder = Folder::new();
-    let fields = |header: &str, row: &str, options: &str| {
-        folder.write("b.csv", format!("x,y,z,radius{header}\n0.5,0.5,0.5,0.25{row}\n"));
-        folder.fails(&format!("fields --particles b.csv --cells 2 --out o.vti --fields density,velocity {options}"))
-    };
-    mentions(&fields(",mass", ",nan", ""), &["b.csv, frame 0: particle 0 has mass = NaN"]);
-    mentions(&fields(",mass", ",-1", ""), &["b.csv, frame 0: particle 0: the column 'mass' holds -1.0"]);
-    mentions(&fields(",w", ",-1", "--mass-column w"), &["--mass-column w: b.csv, frame 0: particle 0 has -1"]);
-    mentions(&fields("", "", ""), &["b.csv, frame 0", "(they have: no other columns)"]);
-    mentions(&fields(",mass,vx,vy,vz", ",1,nan,0,0", ""), &["b.csv, frame 0: particle 0 has velocity = NaN"]);
-}
-
-#[test]
-fn an_unknown_mean_of_a_quantity_is_told_with_those_that_there_are() {
-    let folder = Folder::new();
-    folder.write("b.csv", "x,y,z,radius,mass,s:0\n0.5,0.5,0.5,0.25,2,7\n");
-    let fields = "fields --particles b.csv --cells 2 --fields density --out o.vti";
-    mentions(
-        &folder.fails(&format!("{fields} --quantity m=mass:avg")),
-        &["there is no column 'mass:avg'", "if 'avg' is no part", "choose one of sum, mass-mean, volume-mean"],
-    );
-    // Names of columns may hold a colon themselves.
-    folder.succeeds(&format!("{fields} --quantity m=s:0 --quantity n=s:0:mass-mean"));
-    assert_eq!(column(&folder, "o.vti", "n")[0], 7.0);
-    let message = folder.fails(&format!("{fields} --quantity m=weight"));
-    assert!(message.contains("'weight'") && !message.contains("choose one of sum"), "{message}");
-}
-
-#[test]
 fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
     let folder = Folder::new();
     folder.write("b.csv", "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,2,1,2,3\n0.5,0.5,1.5,0.25,2,1,2,3\n");
@@ -866,49 +487,4 @@ fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
         folder.succeeds(&format!("plot o.csv {options} --profile z --out p.svg"));
         mentions(&std::fs::read_to_string(folder.path("p.svg")).unwrap(), &[name]);
     }
-}
-
-#[test]
-fn the_last_frame_has_no_displacement_and_is_not_counted() {
-    let folder = Folder::new();
-    for (number, x) in [(0, 0.4), (1, 0.5), (2, 0.6)] {
-        folder.write(&format!("f_{number}.csv"), format!("id,x,y,z,radius,mass\n1,{x},0.5,0.5,0.1,1\n"));
-    }
-    let fields = "fields --particles f_{}.csv --grid 0,1,0,1,0,1 --cells 1 --fields density,displacement";
-    let run = folder.succeeds(&format!("{fields} --out s.pvd --json s.json"));
-    mentions(&run.stdout, &["frames               2\n"]);
-    mentions(&run.stderr, &["warning: f_2.csv, frame 2: there is no next frame to be displaced to"]);
-    mentions(&std::fs::read_to_string(folder.path("s.json")).unwrap(), &["\"frames\": 2"]);
-    assert_eq!(vtk::read_pvd(&folder.path("s.pvd")).unwrap().len(), 2);
-    // By default one result comes of the last two frames, and nothing is missing.
-    let run = folder.succeeds(&format!("{fields} --out s.vti"));
-    mentions(&run.stdout, &["frames               1\n"]);
-    assert_eq!(run.stderr, "");
-    mentions(
-        &folder.fails(&format!("{fields} --frames 2 --out t.vti")),
-        &["f_2.csv, frame 2: displacements are those to the next frame", "give at least two (--frames)"],
-    );
-}
-
-#[test]
-fn a_mean_around_a_time_without_frames_is_told_with_the_times_and_what_to_do() {
-    let folder = Folder::new();
-    for number in [9, 10, 100] {
-        folder.write(&format!("f_{number}.dump"), frame_at(number));
-    }
-    let fields = "fields --particles f_{}.dump --cells 1 --density 1 --fields density --out s.csv";
-    // The middle of 9 and 100 is 54.5, and 10 is nearest: 44.5 away.
-    mentions(
-        &folder.fails(&format!("{fields} --smooth 1")),
-        &["--smooth 1", "around 54.5", "within three widths", "f_10.dump, frame 1, at 10", "a larger width", ".pvd"],
-    );
-    folder.succeeds(&format!("{fields} --smooth 15"));
-}
-
-/// A dump of one ball at a step.
-fn frame_at(step: u32) -> String {
-    format!(
-        "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
-         ITEM: ATOMS id x y z radius\n1 .5 .5 .5 .1\n"
-    )
 }

@@ -1,5 +1,7 @@
 //! A folder to run the program in.
 
+pub mod cases;
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;

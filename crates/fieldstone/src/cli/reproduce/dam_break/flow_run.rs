@@ -22,15 +22,19 @@ pub(super) enum IntegratorName {
     Rk4,
 }
 
-/// How time advances, where it is not as the case has it.
+/// What is not as the case has it.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stepping {
+pub(super) struct Changes {
     pub integrator: Option<IntegratorName>,
     pub cfl: Option<f64>,
+    /// Of artificial viscosity, instead of whatever viscosity the case has.
+    pub alpha: Option<f64>,
+    /// Eq. 11 to the letter: the nearest free-surface particle does not push.
+    pub eq11_as_printed: bool,
 }
 
-impl Stepping {
-    /// Puts it into a case. The shift per step goes with the step.
+impl Changes {
+    /// Puts them into a case. The shift per step goes with the step.
     pub fn apply(self, case: &mut Case) {
         if let Some(name) = self.integrator {
             case.sections.time.integrator = match name {
@@ -45,14 +49,24 @@ impl Stepping {
                 *k_cfl *= cfl / former;
             }
         }
+        if self.alpha.is_some() {
+            case.sections.fluid.alpha = self.alpha;
+            case.sections.fluid.viscosity = None;
+        }
+        if let (true, Some(shifting)) = (self.eq11_as_printed, &mut case.sections.shifting) {
+            shifting.nearest_counts = false;
+        }
     }
 
+    /// Of the flow's folder.
     fn suffix(self) -> String {
         let integrator = match self.integrator {
             Some(IntegratorName::Rk4) => "_rk4",
             _ => "",
         };
-        integrator.to_string() + &self.cfl.map(|cfl| format!("_cfl{cfl}")).unwrap_or_default()
+        let number = |name: &str, value: Option<f64>| value.map(|v| format!("_{name}{v}")).unwrap_or_default();
+        let shifting = if self.eq11_as_printed { "_eq11" } else { "" };
+        integrator.to_string() + &number("cfl", self.cfl) + &number("alpha", self.alpha) + shifting
     }
 }
 
@@ -60,7 +74,7 @@ impl Stepping {
 #[derive(Debug)]
 pub(super) struct Flows {
     pub folder: PathBuf,
-    pub stepping: Stepping,
+    pub changes: Changes,
     pub interrupt: Arc<AtomicBool>,
 }
 
@@ -85,9 +99,9 @@ impl Flows {
     /// A flow of the same name that has frames at all `times` is not computed again; one of other settings is refused. Frames
     /// at `others` are kept, too, where the flow passes them.
     pub fn run(&self, name: &str, mut case: Case, times: &[f64], others: &[f64]) -> anyhow::Result<FlowRun> {
-        self.stepping.apply(&mut case);
+        self.changes.apply(&mut case);
         let spacing = case.sections.spacing;
-        let folder = self.folder.join("flows").join(format!("{name}_{spacing}{}", self.stepping.suffix()));
+        let folder = self.folder.join("flows").join(format!("{name}_{spacing}{}", self.changes.suffix()));
         let end = times.iter().copied().fold(0.0, f64::max);
         case.sections.time.end = end;
         case.sections.output.checkpoint_every = 60.0;

@@ -18,7 +18,7 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use fieldstone::io::AtomicFile;
 
-use self::flow_run::{Flows, IntegratorName, Stepping};
+use self::flow_run::{Changes, Flows, IntegratorName};
 use self::measured::Experiment;
 use self::tables::Table;
 use super::sections::make_folder;
@@ -51,6 +51,12 @@ pub(super) struct DamBreak {
     /// CFL number, instead of the case's; the shift per step goes with it
     #[arg(long, value_name = "C", value_parser = arguments::positive)]
     cfl: Option<f64>,
+    /// Artificial viscosity, instead of the case's 0.02; the paper does not say its own
+    #[arg(long, value_name = "A", value_parser = arguments::not_negative)]
+    alpha: Option<f64>,
+    /// Shifting by Eq. 11 to the letter: near the surface only particles closer than the nearest free-surface one count
+    #[arg(long)]
+    eq11_as_printed: bool,
     /// Folder with measurements, for column, buchner, spheric2 and structure: the files are named where one is missing
     #[arg(long, value_name = "FOLDER")]
     measurements: Option<PathBuf>,
@@ -126,7 +132,12 @@ impl DamBreak {
         make_folder(&sections)?;
         let flows = Flows {
             folder: self.folder.clone(),
-            stepping: Stepping { integrator: self.integrator, cfl: self.cfl },
+            changes: Changes {
+                integrator: self.integrator,
+                cfl: self.cfl,
+                alpha: self.alpha,
+                eq11_as_printed: self.eq11_as_printed,
+            },
             interrupt: sph::stop_on_ctrl_c()?,
         };
         for &part in Part::value_variants().iter().filter(|p| self.only.contains(p)) {

@@ -35,7 +35,7 @@ pub(super) fn section(flows: &Flows, folder: &Path, spacing: f64, slab: bool) ->
     let mut curves: Vec<Vec<(f64, f64)>> = vec![Vec::new(); methods.len()];
     for factor in SPACINGS {
         let mut case = case(dam_break_name(slab), factor * spacing)?;
-        flows.stepping.apply(&mut case);
+        flows.changes.apply(&mut case);
         let mut solver = case.solver()?;
         let mut seconds = vec![0.0; methods.len()];
         for _ in 0..STEPS {

@@ -1,0 +1,129 @@
+//! What `fieldstone fields` says of input that cannot be meant.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::Folder;
+use support::cases::{GRAINS, MERCURY, column, grains, mentions, mercury};
+
+#[test]
+fn wrong_input_is_named_with_its_place_and_a_remedy() {
+    let folder = grains();
+    let edit = |file: &str, from: &str, to: &str| {
+        let text = std::fs::read_to_string(folder.path(file)).unwrap();
+        assert!(text.contains(from), "{file}: {from}");
+        folder.write(&format!("bad_{file}"), text.replacen(from, to, 1));
+    };
+    let mut all = String::new();
+    let mut show = |line: String| {
+        let message = folder.fails(&line);
+        all.push_str(&format!("$ fieldstone {line}\n{message}\n"));
+    };
+    edit("pair.dump", " 9922 ", " 4711 ");
+    let bad = GRAINS.replace("pair.dump", "bad_pair.dump");
+    show(format!("{bad} --cells 2 --out out.vti"));
+    edit("pair.dump", "\n26001\n", "\n26002\n");
+    show(format!("{bad} --cells 2 --out out.vti"));
+    folder.write("balls.csv", "x,y,z,radius,vx,vy,vz,s1,s2\n0,0,0,1,0,0,0,1,2\n");
+    show("fields --particles balls.csv --cells 2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s1,s2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --quantity s=s3 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --fields contact_stress --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --fields speed --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --function lucy --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --width 1 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --grid 0,0,0,1,1,1 --out out.vti".into());
+    show("fields --particles balls.csv --density 1 --out out.vti".into());
+    show("fields --particles balls.csv --density 1 --cells 2,2 --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --coordinates RZ --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --out out.vtu".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --periodic x --out out.vti".into());
+    show("fields --particles balls.csv --cells 2 --density 1 --out balls.csv".into());
+    show("fields --particles balls.csv --cells 2 --mass-column weight --out out.vti".into());
+    show("fields --cells 2 --out out.vti".into());
+    insta::assert_snapshot!("fields_messages", all);
+
+    let folder = mercury();
+    let text = std::fs::read_to_string(folder.path("box.fstat")).unwrap();
+    let second = text.rfind("# 1 1").unwrap();
+    folder.write("box.fstat", &text[..second]);
+    mentions(
+        &folder.fails(&format!("{MERCURY} --out out.stat")),
+        &["box.fstat: there are no more contacts for frame 1 of box.data"],
+    );
+    folder.write("box.fstat", &text);
+    mentions(
+        &folder.fails("fields --particles box.data --contacts box.fstat --cells 2 --out out.stat"),
+        &["box.data, frame 0: the particles have neither a column 'mass' nor 'density'", "--restart"],
+    );
+}
+
+#[test]
+fn fields_that_hold_nothing_are_refused_with_what_led_to_them() {
+    let folder = Folder::new();
+    folder
+        .write("balls.csv", "x,y,z,radius,mass,vx,vy,vz,type\n0.3,0.3,0.3,0.1,1,0,0,0,1\n0.7,0.7,0.7,0.2,1,0,0,0,2\n");
+    let fields = "fields --particles balls.csv --fields density --out out.vti";
+    let unit = "--grid 0,1,0,1,0,1 --cells 4";
+    for (line, parts) in [
+        (
+            "--grid 10,11,0,1,0,1 --cells 4".into(),
+            &["balls.csv in the grid: none of the 2 particles", "check units"][..],
+        ),
+        (format!("{unit} --species 7"), &["--species: balls.csv: no particle is of type 7; the types are 1, 2"]),
+        (format!("{unit} --radii 1,0"), &["--radii", "radii from 1 to 0", "the smaller number first"]),
+        (format!("{unit} --region 5,0,0,1,0,1"), &["--region", "x of the region from 5 to 0", "smaller number first"]),
+        (format!("{unit} --radii 1,2"), &["none of the 2 particles is left by", "radii are 0.1 to 0.2"]),
+        (format!("{unit} --region 5,6,0,1,0,1"), &["is left by", "span (0.3, 0.3, 0.3) to (0.7, 0.7, 0.7)"]),
+        (
+            // The nearest centre of a cell is (0.075² · 3)^½ = 0.13 away.
+            format!("{unit} --function gauss --width 1 --cutoff 0.05"),
+            &["no cell's centre lies within 0.05 of a particle", "--cutoff, or smaller cells"],
+        ),
+    ] {
+        mentions(&folder.fails(&format!("{fields} {line}")), parts);
+    }
+    // One of several types may be missing, but not in silence.
+    let run = folder.succeeds(&format!("{fields} {unit} --species 1,7"));
+    mentions(&run.stderr, &["warning: --species: no particle is of type 7; the types are 1, 2"]);
+    // A series in which one frame has nothing in the cells is fine.
+    let ball = |x: f64| format!("x,y,z,radius,mass,vx,vy,vz\n{x},0.5,0.5,0.1,1,0,0,0\n");
+    folder.write("f_0.csv", ball(0.5));
+    folder.write("f_1.csv", ball(9.5));
+    folder.succeeds(&format!("fields --particles f_{{}}.csv {unit} --fields density --out out.pvd"));
+    mentions(
+        &folder.fails(&format!("fields --particles f_{{}}.csv --frames 1 {unit} --fields density --out out.pvd")),
+        &["f_0.csv in the grid: none of the 1 particles lies in the mesh"],
+    );
+}
+
+#[test]
+fn masses_that_cannot_be_are_told_with_file_column_and_value() {
+    let folder = Folder::new();
+    let fields = |header: &str, row: &str, options: &str| {
+        folder.write("b.csv", format!("x,y,z,radius{header}\n0.5,0.5,0.5,0.25{row}\n"));
+        folder.fails(&format!("fields --particles b.csv --cells 2 --out o.vti --fields density,velocity {options}"))
+    };
+    mentions(&fields(",mass", ",nan", ""), &["b.csv, frame 0: particle 0 has mass = NaN"]);
+    mentions(&fields(",mass", ",-1", ""), &["b.csv, frame 0: particle 0: the column 'mass' holds -1.0"]);
+    mentions(&fields(",w", ",-1", "--mass-column w"), &["--mass-column w: b.csv, frame 0: particle 0 has -1"]);
+    mentions(&fields("", "", ""), &["b.csv, frame 0", "(they have: no other columns)"]);
+    mentions(&fields(",mass,vx,vy,vz", ",1,nan,0,0", ""), &["b.csv, frame 0: particle 0 has velocity = NaN"]);
+}
+
+#[test]
+fn an_unknown_mean_of_a_quantity_is_told_with_those_that_there_are() {
+    let folder = Folder::new();
+    folder.write("b.csv", "x,y,z,radius,mass,s:0\n0.5,0.5,0.5,0.25,2,7\n");
+    let fields = "fields --particles b.csv --cells 2 --fields density --out o.vti";
+    mentions(
+        &folder.fails(&format!("{fields} --quantity m=mass:avg")),
+        &["there is no column 'mass:avg'", "if 'avg' is no part", "choose one of sum, mass-mean, volume-mean"],
+    );
+    // Names of columns may hold a colon themselves.
+    folder.succeeds(&format!("{fields} --quantity m=s:0 --quantity n=s:0:mass-mean"));
+    assert_eq!(column(&folder, "o.vti", "n")[0], 7.0);
+    let message = folder.fails(&format!("{fields} --quantity m=weight"));
+    assert!(message.contains("'weight'") && !message.contains("choose one of sum"), "{message}");
+}

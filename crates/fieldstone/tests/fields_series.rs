@@ -1,0 +1,172 @@
+//! `fieldstone fields` over frames: one file each, means in time, displacements.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::f64::consts::PI;
+
+use fieldstone::io::vtk;
+use support::Folder;
+use support::cases::{MERCURY, column, json, mentions, mercury};
+
+#[test]
+fn series_become_one_file_per_frame_a_mean_or_a_smoothed_mean() {
+    let folder = mercury();
+    let momentum = |file: &str| column(&folder, file, "momentum")[0];
+    let m = 3.0 * PI / 6.0;
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
+    folder.succeeds(&format!("{MERCURY} --out all.pvd --json all.json"));
+    let steps = vtk::read_pvd(&folder.path("all.pvd")).unwrap();
+    assert_eq!(steps, [(0.0, folder.path("all_0.vti")), (1.0, folder.path("all_1.vti"))]);
+    assert!(near(momentum("all_0.vti"), m) && near(momentum("all_1.vti"), 3.0 * m));
+    assert_eq!(vtk::read_vtk(&folder.path("all_1.vti")).unwrap().time, Some(1.0));
+    assert_eq!(json(&folder, "all.json")["frames"], 2);
+    folder.succeeds(&format!("{MERCURY} --average --out mean.vti"));
+    assert!(near(momentum("mean.vti"), 2.0 * m));
+    // Around the first frame the second, one width away, counts e^(−1/2).
+    folder.succeeds(&format!("{MERCURY} --smooth 1 --out smooth.pvd"));
+    let w = (-0.5f64).exp();
+    assert!(near(momentum("smooth_0.vti"), (1.0 + 3.0 * w) / (1.0 + w) * m));
+    // Around the middle both count the same.
+    folder.succeeds(&format!("{MERCURY} --smooth 1 --out middle.vti"));
+    assert!(near(momentum("middle.vti"), 2.0 * m));
+    folder.succeeds(&format!("{MERCURY} --frames 0 --out first.vti"));
+    assert!(near(momentum("first.vti"), m));
+    // Temperature about the window's mean or each frame's: u is 1 and 3, so the variance is 1, a third of it in T.
+    for (which, expected) in [("window", 1.0 / 3.0), ("frame", 0.0)] {
+        folder.succeeds(&format!(
+            "{MERCURY} --average --fields granular_temperature --mean-velocity {which} --out t.vti"
+        ));
+        assert!(near(column(&folder, "t.vti", "granular_temperature")[0], expected));
+    }
+    let message = folder.fails(&format!("{MERCURY} --frames : --out two.vti"));
+    mentions(&message, &["two.vti: the frames give several results", ".pvd or .stat", "--average"]);
+    let message = folder.fails(&format!("{MERCURY} --frames 5: --out two.pvd"));
+    mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the range 5:; check --frames"]);
+    for (range, reason) in [("5", "range 5;"), ("-3", "range -3;"), ("1:0", "range 1:0, which ends before it begins;")]
+    {
+        let message = folder.fails(&format!("{MERCURY} --frames={range} --out two.pvd"));
+        mentions(&message, &["box.data: none of the 2 frames, 0 to 1, is in the", reason]);
+    }
+}
+
+#[test]
+fn frames_computed_at_the_same_time_are_those_of_one_after_the_other() {
+    let folder = mercury();
+    // Seven frames: more than threads, and no multiple of them.
+    let (mut data, mut contacts) = (String::new(), String::new());
+    for frame in 0..7 {
+        let x = 0.4 + 0.03 * f64::from(frame);
+        data += &format!(
+            "2 {frame} 0 0 0 2 1 1\n{x} 0.5 0.5 {frame} 0 0 0.5 0 0 0 0 0 0 0\n1.5 0.5 0.5 0 0 1 0.5 0 0 0 0 0 0 0\n"
+        );
+        contacts += &format!(
+            "# {frame} 1\n# 0 0 0 2 1 1\n# 0.5 0.5 0 0 0 0\n{frame} 0 -1 {x} 0.5 0 0 0 {frame} 0 0 0 -1 0 0 0\n"
+        );
+    }
+    folder.write("many.data", data);
+    folder.write("many.fstat", contacts);
+    let run = |threads: &str, out: &str| {
+        let line = format!(
+            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --face-fields faces_{out} --to-particles \
+             back_{out} --out {out}"
+        );
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_fieldstone"))
+            .args(line.split_whitespace())
+            .current_dir(folder.path(""))
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap();
+        assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
+        let steps = vtk::read_pvd(&folder.path(out)).unwrap();
+        steps
+            .into_iter()
+            .map(|(time, path)| (time, column(&folder, path.file_name().unwrap().to_str().unwrap(), "density")))
+            .collect::<Vec<_>>()
+    };
+    let one = run("1", "one.pvd");
+    assert_eq!(one.len(), 7);
+    assert_eq!(run("4", "four.pvd"), one);
+    for frame in 0..7 {
+        // Each by itself, but for the settings that the file repeats.
+        folder.succeeds(&format!(
+            "fields --particles many.data --contacts many.fstat --density 2 --cells 6 --frames {frame} --out alone.vti"
+        ));
+        for name in ["density", "contact_stress"] {
+            let alone = column(&folder, "alone.vti", name);
+            assert_eq!(column(&folder, &format!("four_{frame}.vti"), name), alone, "{name} of frame {frame}");
+        }
+        let same = |name: &str| [format!("{name}_one_{frame}.vtp"), format!("{name}_four_{frame}.vtp")];
+        for [a, b] in [same("faces"), same("back")] {
+            assert_eq!(
+                vtk::read_vtk(&folder.path(&a)).unwrap().cell_data,
+                vtk::read_vtk(&folder.path(&b)).unwrap().cell_data
+            );
+        }
+    }
+}
+
+#[test]
+fn files_of_a_series_never_take_the_name_of_an_input() {
+    let folder = Folder::new();
+    let balls = "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0,0\n";
+    folder.write("balls.csv", balls);
+    let cells = "--grid 0,1,0,1,0,1 --cells 2 --fields density";
+    folder.succeeds(&format!("fields --particles balls.csv {cells} --to-particles run_1.vtp --out run_7.vti"));
+    for (line, input) in [
+        ("fields --particles run_1.vtp --to-particles run.pvd --out out.pvd", "run_1.vtp"),
+        ("fields --particles run_1.vtp --face-fields run.pvd --out out.pvd", "run_1.vtp"),
+        ("fields --particles balls.csv --out run.pvd --json run_3.vti", "run_3.vti"),
+    ] {
+        let message = folder.fails(&format!("{line} {cells}"));
+        mentions(&message, &["run.pvd", "run_NUMBER.vt", &format!("could overwrite {input}"), "choose another name"]);
+    }
+    // Results of an earlier run are replaced.
+    folder.succeeds(&format!("fields --particles balls.csv {cells} --out run.pvd"));
+}
+
+#[test]
+fn the_last_frame_has_no_displacement_and_is_not_counted() {
+    let folder = Folder::new();
+    for (number, x) in [(0, 0.4), (1, 0.5), (2, 0.6)] {
+        folder.write(&format!("f_{number}.csv"), format!("id,x,y,z,radius,mass\n1,{x},0.5,0.5,0.1,1\n"));
+    }
+    let fields = "fields --particles f_{}.csv --grid 0,1,0,1,0,1 --cells 1 --fields density,displacement";
+    let run = folder.succeeds(&format!("{fields} --out s.pvd --json s.json"));
+    mentions(&run.stdout, &["frames               2\n"]);
+    mentions(&run.stderr, &["warning: f_2.csv, frame 2: there is no next frame to be displaced to"]);
+    mentions(&std::fs::read_to_string(folder.path("s.json")).unwrap(), &["\"frames\": 2"]);
+    assert_eq!(vtk::read_pvd(&folder.path("s.pvd")).unwrap().len(), 2);
+    // By default one result comes of the last two frames, and nothing is missing.
+    let run = folder.succeeds(&format!("{fields} --out s.vti"));
+    mentions(&run.stdout, &["frames               1\n"]);
+    assert_eq!(run.stderr, "");
+    mentions(
+        &folder.fails(&format!("{fields} --frames 2 --out t.vti")),
+        &["f_2.csv, frame 2: displacements are those to the next frame", "give at least two (--frames)"],
+    );
+}
+
+#[test]
+fn a_mean_around_a_time_without_frames_is_told_with_the_times_and_what_to_do() {
+    let folder = Folder::new();
+    for number in [9, 10, 100] {
+        folder.write(&format!("f_{number}.dump"), frame_at(number));
+    }
+    let fields = "fields --particles f_{}.dump --cells 1 --density 1 --fields density --out s.csv";
+    // The middle of 9 and 100 is 54.5, and 10 is nearest: 44.5 away.
+    mentions(
+        &folder.fails(&format!("{fields} --smooth 1")),
+        &["--smooth 1", "around 54.5", "within three widths", "f_10.dump, frame 1, at 10", "a larger width", ".pvd"],
+    );
+    folder.succeeds(&format!("{fields} --smooth 15"));
+}
+
+/// A dump of one ball at a step.
+fn frame_at(step: u32) -> String {
+    format!(
+        "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+         ITEM: ATOMS id x y z radius\n1 .5 .5 .5 .1\n"
+    )
+}

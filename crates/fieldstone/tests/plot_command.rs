@@ -1,0 +1,80 @@
+//! `fieldstone plot` on every kind of result.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::io::Write;
+use std::path::Path;
+
+use support::Folder;
+use support::cases::{GRAINS, grains, mentions};
+
+/// Width, height and how many colours a PNG has.
+fn picture(path: &Path) -> (u32, u32, usize) {
+    let mut reader =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap())).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let colours: std::collections::HashSet<[u8; 3]> = pixels.as_chunks::<3>().0.iter().copied().collect();
+    (info.width, info.height, colours.len())
+}
+
+#[test]
+fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
+    let folder = grains();
+    let fields = "--fields density,velocity,contact_stress";
+    for out in ["g.vti", "g.csv", "g.stat"] {
+        folder.succeeds(&format!("{GRAINS} --cells 8,8,30 {fields} --out {out}"));
+        folder.succeeds(&format!("plot {out} --field contact_stress --component zz --slice z=0.001 --out slice.png"));
+        let (width, height, colours) = picture(&folder.path("slice.png"));
+        assert!(width > 500 && height > 500 && colours > 30, "{out}: {width} {height} {colours}");
+        folder.succeeds(&format!("plot {out} --field density --profile z --out profile.svg"));
+        let text = std::fs::read_to_string(folder.path("profile.svg")).unwrap();
+        mentions(&text, &["<svg", "density, mean by volume", ">\nz\n</text>"]);
+    }
+    folder.succeeds("plot g.vti --field velocity");
+    assert!(folder.path("g_velocity.png").is_file());
+    folder.succeeds(&format!("{GRAINS} --coordinates Z --cells 30 {fields} --out line.csv"));
+    folder.succeeds("plot line.csv --field velocity --out line.svg");
+    mentions(&std::fs::read_to_string(folder.path("line.svg")).unwrap(), &["velocity, mean by mass", "velocity y"]);
+    for (line, parts) in [
+        ("plot g.vti --field speed", ["no field 'speed'; it has", "density"]),
+        ("plot g.csv --field speed", ["no field 'speed'; it has", "density"]),
+        ("plot g.vti --field density --component x", ["density has no such component", "it is a scalar"]),
+        ("plot g.vti --field velocity --slice z=7", ["--slice z=7: the cells reach from", "to 0.12"]),
+        ("plot g.vti --field velocity --slice w=7", ["--slice w: choose one of", "x, y, z"]),
+        ("plot g.vti --field velocity --profile height", ["--profile height: choose one of", "x, y, z or r"]),
+        ("plot g.vti --field velocity --out a.gif", ["a.gif: pictures are", ".svg"]),
+        ("plot g.stat --field density --frame 3", ["frame 3 was asked for", "has 1"]),
+        ("plot part.dump --field density", ["part.dump: give a .vti", "fieldstone fields wrote"]),
+    ] {
+        mentions(&folder.fails(line), &parts);
+    }
+}
+
+/// Compresses a file of the folder; the name of the result.
+fn compressed(folder: &Folder, name: &str) -> String {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&std::fs::read(folder.path(name)).unwrap()).unwrap();
+    let to = format!("{name}.gz");
+    folder.write(&to, packed.finish().unwrap());
+    to
+}
+
+#[test]
+fn compressed_results_are_plotted_and_told_about_as_plain_ones() {
+    let folder = grains();
+    for out in ["g.vti", "g.csv", "g.stat"] {
+        folder.succeeds(&format!("{GRAINS} --cells 4,4,12 --fields density --out {out}"));
+        folder.succeeds(&format!("plot {out} --field density --profile z --out plain.svg"));
+        let packed = compressed(&folder, out);
+        folder.succeeds(&format!("plot {packed} --field density --profile z --out packed.svg"));
+        let [plain, packed] = ["plain.svg", "packed.svg"].map(|name| std::fs::read(folder.path(name)).unwrap());
+        assert!(plain == packed, "{out}");
+    }
+    assert_eq!(folder.succeeds("info g.vti.gz").stdout, folder.succeeds("info g.vti").stdout);
+    folder.succeeds("plot g.vti.gz --field density");
+    assert!(folder.path("g_density.png").is_file());
+    mentions(&folder.fails("plot part.dump.gz --field density"), &["part.dump.gz: give a .vti"]);
+}
