@@ -6,7 +6,7 @@ use fieldstone_geometry::{
     Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, PROMISE, Polyhedron, Precision, certified_overlap,
     fast_overlap, fast_overlap_volume, overlap_in, overlap_volume,
 };
-use fieldstone_testing::pairs::{self, Random};
+use fieldstone_testing::{Random, pairs};
 
 fn element(random: &mut Random) -> Option<Polyhedron> {
     let (kind, corners) = pairs::element(random);

@@ -12,6 +12,7 @@ use fieldstone_geometry::decomposition::{
 };
 use fieldstone_geometry::double_double::two_sum;
 use fieldstone_geometry::{Ball, ElementKind, Polyhedron, cap_volume};
+use fieldstone_testing::Random;
 
 const CUBE: HexahedronCorners =
     [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.], [1., 0., 1.], [1., 1., 1.], [0., 1., 1.]];
@@ -26,27 +27,6 @@ fn cube_overlap(centre: [f64; 3], radius: f64) -> f64 {
     overlap_volume(&ball(centre, radius), &DecompositionElement::hexahedron(CUBE).unwrap())
 }
 
-/// splitmix64 in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn point(&mut self, low: f64, high: f64) -> [f64; 3] {
-        [0; 3].map(|_| self.within(low, high))
-    }
-}
-
 /// An affine map keeps faces planar; its determinant is bounded below.
 struct Affine([[f64; 3]; 3]);
 
@@ -55,7 +35,7 @@ impl Affine {
         let mut rows = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
         for row in &mut rows {
             for entry in row {
-                *entry += random.within(-0.25, 0.25);
+                *entry += random.uniform(-0.25, 0.25);
             }
         }
         Self(rows)
@@ -170,7 +150,7 @@ fn the_volume_does_not_jump_when_the_sphere_passes_a_vertex() {
     let mut random = Random(7);
     for _ in 0..2000 {
         let centre = random.point(-0.8, 1.8);
-        let corner = CUBE[(random.next() * 8.0) as usize];
+        let corner = CUBE[(random.unit() * 8.0) as usize];
         let radius = (0..3).map(|axis| (corner[axis] - centre[axis]).powi(2)).sum::<f64>().sqrt();
         let volumes: Vec<f64> = [-1e-12, -1e-14, -1e-15, -2e-16, 0.0, 2e-16, 1e-15, 1e-14, 1e-12]
             .map(|step| overlap_volume(&ball(centre, radius * (1.0 + step)), &cube))
@@ -190,7 +170,7 @@ fn hexahedron_and_wedge_agree_with_their_splits_on_random_pairs() {
     for _ in 0..20_000 {
         let map = Affine::random(&mut random);
         let (hexahedron, wedge) = (map.apply(&CUBE), map.apply(&WEDGE));
-        let radius = 10f64.powf(random.within(-1.0, 0.5));
+        let radius = 10f64.powf(random.uniform(-1.0, 0.5));
         let ball = ball(random.point(-0.5, 1.5), radius);
         let tolerance = 4e-14 * (1.0 + ball.volume());
         let tetrahedra = |corners: &[[[f64; 3]; 4]]| -> f64 {
@@ -278,7 +258,7 @@ fn sphere_area_is_the_derivative_of_the_volume() {
     for _ in 0..500 {
         let corners = Affine::random(&mut random).apply(&CUBE);
         let element = DecompositionElement::hexahedron(corners).unwrap();
-        let (centre, radius) = (random.point(-0.3, 1.3), random.within(0.2, 1.2));
+        let (centre, radius) = (random.point(-0.3, 1.3), random.uniform(0.2, 1.2));
         let volume = |r: f64| overlap_volume(&ball(centre, r), &element);
         // The second derivative jumps where the sphere meets a vertex or edge, hence the tolerance of a step's order.
         let slope = (volume(radius + step) - volume(radius - step)) / (2.0 * step);

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::needless_range_loop)]
 
 use fieldstone_geometry::{Ball, Moments, Polyhedron, overlap_moments, overlap_volume};
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 
 fn tetrahedron() -> Polyhedron {
@@ -54,19 +55,12 @@ fn moments_agree_with_a_million_random_points() {
     let corners: Vec<[f64; 3]> = tet.corners().collect();
     let ball = Ball::new([0.4, 0.3, 0.35], 0.4).unwrap();
     let m = overlap_moments(&ball, &tet);
-    // Uniform points of the tetrahedron by sorted spacings, from SplitMix64.
-    let mut state = 1u64;
-    let mut uniform = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    };
+    // Uniform points of the tetrahedron by sorted spacings.
+    let mut random = Random(1);
     let n = 1_000_000;
     let (mut first, mut second) = ([0.0; 3], [0.0; 6]);
     for _ in 0..n {
-        let mut u = [uniform(), uniform(), uniform()];
+        let mut u = [random.unit(), random.unit(), random.unit()];
         u.sort_by(f64::total_cmp);
         let weights = [u[0], u[1] - u[0], u[2] - u[1], 1.0 - u[2]];
         let x: [f64; 3] =

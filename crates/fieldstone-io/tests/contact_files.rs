@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fieldstone_io::{ContactOptions, ContactPreset, IoError, ParticleOptions, open_contacts, read_frame, read_restart};
 use fieldstone_particles::{Contact, Contacts, Domain, Particles, Partner};
-use fieldstone_testing::{extended, read_text};
+use fieldstone_testing::{Random, extended, read_text};
 
 fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/contacts").join(name)
@@ -424,19 +424,6 @@ fn options_survive_a_configuration_file() {
     assert_eq!(options.columns, Some("id1=c_w[15],force=c_w[16..18]".parse().unwrap()));
     assert_eq!(serde_json::from_str::<ContactOptions>(&serde_json::to_string(&options).unwrap()).unwrap(), options);
     assert!(serde_json::from_str::<ContactOptions>(r#"{"presets":"mercury"}"#).is_err());
-}
-
-/// SplitMix64: the same damage in every run.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % bound as u64) as usize
-    }
 }
 
 #[test]

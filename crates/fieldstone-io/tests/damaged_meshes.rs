@@ -8,20 +8,7 @@ use std::time::{Duration, Instant};
 
 use fieldstone_io::openfoam::{read_cloud, read_internal_field, read_poly_mesh};
 use fieldstone_io::read_gmsh;
-use fieldstone_testing::{data, extended};
-
-/// SplitMix64: the same damage in every run.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
-    }
-}
+use fieldstone_testing::{Random, data, extended};
 
 /// Damages a file's content at up to three places, each in one of six ways.
 fn damage(original: &[u8], random: &mut Random) -> Vec<u8> {

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use fieldstone_io::{CsvTable, DumpReader, FrameReader, MercuryReader, ParticleOptions, open_particles};
-use fieldstone_testing::{data, extended, read_text};
+use fieldstone_testing::{Random, data, extended, read_text};
 use proptest::prelude::*;
 
 /// Column names of a dump, and where the values of each go.
@@ -106,19 +106,6 @@ proptest! {
         for (a, b) in read.quantities().iter().zip(written.quantities()) {
             prop_assert_eq!((&a.name, a.components, bits(&a.data)), (&b.name, b.components, bits(&b.data)));
         }
-    }
-}
-
-/// SplitMix64: the same damage in every run.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % bound as u64) as usize
     }
 }
 

@@ -7,18 +7,7 @@ use std::time::{Duration, Instant};
 
 use fieldstone_io::IoError;
 use fieldstone_io::vtk::{VtkData, read_vtk};
-
-/// A small generator with a fixed seed: a failure must come back when the test is run again.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % n.max(1) as u64) as usize
-    }
-}
+use fieldstone_testing::Random;
 
 /// One of five kinds of damage.
 fn damage(bytes: &mut Vec<u8>, random: &mut Random) {

@@ -5,9 +5,12 @@
 //! [`extended`] and returns early, saying so, where the set is missing.
 
 pub mod pairs;
+mod random;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+pub use random::Random;
 
 /// The repository's root.
 pub fn repository() -> PathBuf {

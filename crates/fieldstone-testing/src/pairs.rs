@@ -1,34 +1,6 @@
 //! Random and adversarial pairs of a ball and an element, as plain numbers: for every crate that bounds the error of their overlap.
 
-/// SplitMix64, from a seed.
-#[derive(Debug, Clone)]
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in (−1, 1).
-    pub fn signed(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// Below `n`.
-    pub fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
-    }
-
-    /// Each coordinate in (−1, 1).
-    pub fn point(&mut self) -> [f64; 3] {
-        [self.signed(), self.signed(), self.signed()]
-    }
-}
+use crate::Random;
 
 fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))
@@ -42,15 +14,15 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 ///
 /// Its kind, as a place in `ElementKind::STANDARD`, and its corners in CGNS order; on a lattice it may have no volume.
 pub fn element(random: &mut Random) -> (usize, Vec<[f64; 3]>) {
-    let kind = random.below(4) as usize;
+    let kind = random.below(4);
     let lattice = random.below(4) == 0;
-    let mut axes = [random.point(), random.point(), random.point()];
-    let origin = if random.below(8) == 0 { random.point().map(|x| x * 1e6) } else { random.point() };
+    let mut axes = [random.point(-1.0, 1.0), random.point(-1.0, 1.0), random.point(-1.0, 1.0)];
+    let origin = if random.below(8) == 0 { random.point(-1.0, 1.0).map(|x| x * 1e6) } else { random.point(-1.0, 1.0) };
     if lattice {
         axes = axes.map(|a| a.map(|x| (4.0 * x).round() / 4.0));
     }
     if random.below(4) == 0 {
-        let flat = 10f64.powf(3.0 * random.signed() - 3.0);
+        let flat = 10f64.powf(3.0 * random.uniform(-1.0, 1.0) - 3.0);
         let [a, b, c] = axes;
         axes[2] = [0, 1, 2].map(|k| flat * c[k] + a[k] * 0.4 + b[k] * 0.3);
     }
@@ -73,25 +45,27 @@ pub fn element(random: &mut Random) -> (usize, Vec<[f64; 3]>) {
 ///
 /// Its centre and radius, which may be 0, from the element's corners and bounds.
 pub fn ball(corners: &[[f64; 3]], (low, high): ([f64; 3], [f64; 3]), random: &mut Random) -> ([f64; 3], f64) {
-    let pick = |random: &mut Random| corners[random.below(corners.len() as u64) as usize];
+    let pick = |random: &mut Random| corners[random.below(corners.len())];
     let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
     let (a, b, c) = (pick(random), pick(random), pick(random));
     let centre = match random.below(8) {
         0 => a,
-        1 => mix(a, b, 0.5 + 0.5 * random.signed()),
-        2 => mix(mix(a, b, 0.5), c, 0.5 + 0.5 * random.signed()),
+        1 => mix(a, b, 0.5 + 0.5 * random.uniform(-1.0, 1.0)),
+        2 => mix(mix(a, b, 0.5), c, 0.5 + 0.5 * random.uniform(-1.0, 1.0)),
         _ => {
-            let reach = size * 10f64.powf(1.5 * random.signed());
-            let p = random.point();
+            let reach = size * 10f64.powf(1.5 * random.uniform(-1.0, 1.0));
+            let p = random.point(-1.0, 1.0);
             [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]) + reach * p[k])
         }
     };
     let radius = match random.below(6) {
         0 => distance(centre, pick(random)),
         1 => distance(centre, mix(a, b, 0.5)),
-        2 => size * 10f64.powf(6.0 * random.signed()),
-        3 => size * 10f64.powf(2.0 * random.signed()),
-        _ => distance(centre, mix(a, b, 0.5 + 0.5 * random.signed())) * (1.0 + 0.3 * random.signed()),
+        2 => size * 10f64.powf(6.0 * random.uniform(-1.0, 1.0)),
+        3 => size * 10f64.powf(2.0 * random.uniform(-1.0, 1.0)),
+        _ => {
+            distance(centre, mix(a, b, 0.5 + 0.5 * random.uniform(-1.0, 1.0))) * (1.0 + 0.3 * random.uniform(-1.0, 1.0))
+        }
     };
     (centre, radius)
 }

@@ -6,7 +6,7 @@ mod support;
 
 use std::io::{Read, Write};
 
-use fieldstone_testing::data;
+use fieldstone_testing::{Random, data};
 use support::Folder;
 
 const BALLS: &str = "x,y,z,radius\n0.5,0.5,0.5,0.25\n0.1,0.15,0.2,0.1\n";
@@ -413,19 +413,6 @@ fn messages_read_well() {
     });
     show("fraction --mesh case --particles balls.csv --out out.vtu");
     insta::assert_snapshot!("messages", all);
-}
-
-/// Random numbers: the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % limit as u64) as usize
-    }
 }
 
 /// One damage as disks, transfers and editors do it.

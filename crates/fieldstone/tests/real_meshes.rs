@@ -14,24 +14,7 @@ use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtu};
 use fieldstone::io::{ParticleOptions, read_frame, read_mesh};
 use fieldstone::mesh::{CellList, Cells, Grid, Mesh, Patch};
 use fieldstone::particles::Particles;
-use fieldstone_testing::{data, extended};
-
-/// Random numbers for placements: the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
+use fieldstone_testing::{Random, data, extended};
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -141,7 +124,7 @@ fn balls_inside(mesh: &Mesh, count: usize, seed: u64) -> Vec<Ball> {
     let mut scratch = mesh.scratch();
     let mut places = Vec::new();
     while places.len() < count {
-        let point = [0, 1, 2].map(|k| random.between(low[k], high[k]));
+        let point = [0, 1, 2].map(|k| random.uniform(low[k], high[k]));
         if let Some(cell) = mesh.locate(point, &mut scratch) {
             places.push((point, depth(&surface, point), mesh.cell_volumes()[cell as usize].cbrt()));
         }
@@ -218,7 +201,7 @@ fn balls_of_up_to_twenty_cells_are_shared_out_without_loss_on_cartesian_grids() 
         let (mut by_element, mut by_grid, mut apart) = (0.0f64, 0.0f64, 0.0f64);
         for k in 0..20 {
             let r = if k < 2 { largest } else { 0.05 * size * (largest / (0.05 * size)).powf(random.unit()) };
-            let centre = [0, 1, 2].map(|k| random.between(low[k] + r, high[k] - r));
+            let centre = [0, 1, 2].map(|k| random.uniform(low[k] + r, high[k] - r));
             let ball = Ball::new(centre, r).unwrap();
             let mut found = Vec::new();
             grid.overlap_ball(&ball, &mut scratch, &mut found);
@@ -314,7 +297,7 @@ fn the_face_once_path_equals_the_per_element_path_cell_by_cell() {
             for ball in balls_inside(mesh, 100, round) {
                 seen.add(mesh, &elements, &ball, &ball);
                 // Another of the same size that may stick out of the mesh.
-                let centre = [0, 1, 2].map(|k| random.between(low[k], high[k]));
+                let centre = [0, 1, 2].map(|k| random.uniform(low[k], high[k]));
                 let stray = Ball::new(centre, ball.radius()).unwrap();
                 seen.add(mesh, &elements, &stray, &stray);
             }
@@ -373,11 +356,11 @@ fn a_ball_that_passes_an_edge_within_rounding_has_no_area_in_the_cell() {
     let mut random = Random(9);
     let mut doubtful = 0;
     for _ in 0..300 {
-        let r = 10f64.powf(random.between(1.0, 4.0));
-        let angle = random.between(-0.7, 0.7);
+        let r = 10f64.powf(random.uniform(1.0, 4.0));
+        let angle = random.uniform(-0.7, 0.7);
         // From just apart to cutting by a hair, in units of what rounding can tell.
-        let gap = random.between(-4.0, 20.0) * f64::EPSILON * r;
-        let centre = [1.0 + (r + gap) * angle.cos(), (r + gap) * angle.sin(), random.between(-0.5, 0.5)];
+        let gap = random.uniform(-4.0, 20.0) * f64::EPSILON * r;
+        let centre = [1.0 + (r + gap) * angle.cos(), (r + gap) * angle.sin(), random.uniform(-0.5, 0.5)];
         let ball = Ball::new(centre, r).unwrap();
         let (mut found, mut areas) = (Vec::new(), Vec::new());
         mesh.overlap_ball_areas(&ball, &mut mesh.scratch(), &mut found, &mut areas);

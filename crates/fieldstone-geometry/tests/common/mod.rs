@@ -1,4 +1,4 @@
-//! What the geometry tests share: random numbers, shapes, an independent volume, a clipper.
+//! What the geometry tests share: shapes, an independent volume, a clipper.
 //!
 //! [`sliced_volume`] is the oracle of closed forms that nobody has written down: it integrates the areas of
 //! planar slices and knows nothing of solid angles.
@@ -6,6 +6,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use fieldstone_geometry::{CornerOrder, ElementKind, Orientation, Polyhedron};
+pub use fieldstone_testing::Random;
 
 pub mod invariants;
 
@@ -26,53 +27,6 @@ pub fn cross(a: Point, b: Point) -> Point {
 /// The point at `t` on the way from `a` to `b`.
 pub fn between(a: Point, b: Point, t: f64) -> Point {
     [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))
-}
-
-/// A small generator with a fixed sequence (splitmix64): the same cases on every machine and in every version.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [low, high).
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in the logarithm.
-    pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.uniform(low.ln(), high.ln()).exp()
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    /// A whole number from `low` to `high`.
-    pub fn whole(&mut self, low: i64, high: i64) -> f64 {
-        (low + self.below((high - low + 1) as usize) as i64) as f64
-    }
-
-    pub fn point(&mut self, low: f64, high: f64) -> Point {
-        [0; 3].map(|_| self.uniform(low, high))
-    }
-
-    /// A random direction.
-    pub fn direction(&mut self) -> Point {
-        loop {
-            let p = self.point(-1.0, 1.0);
-            let length2 = dot(p, p);
-            if length2 > 1e-4 && length2 <= 1.0 {
-                return p.map(|x| x / length2.sqrt());
-            }
-        }
-    }
 }
 
 /// Corners of the unit shape of a kind, in CGNS order; all have edges along the axes at the origin.
