@@ -60,6 +60,10 @@ pub(super) struct DamBreak {
     /// Folder with measurements, for column, buchner, spheric2 and structure: the files are named where one is missing
     #[arg(long, value_name = "FOLDER")]
     measurements: Option<PathBuf>,
+    /// Spacings of the measured flows are divided by this; their arithmetic grows with its third power, in three dimensions with
+    /// its fourth
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = arguments::positive)]
+    refinement: f64,
     /// Only these parts; the page keeps the others of earlier calls
     #[arg(long, value_name = "PARTS", value_delimiter = ',', value_enum)]
     only: Vec<Part>,
@@ -166,7 +170,7 @@ impl DamBreak {
                 let (Some(experiment), Some(data)) = (part.experiment(), &self.measurements) else {
                     return Ok(String::new());
                 };
-                experiment.section(flows, folder, data)
+                experiment.section(flows, self.refinement, folder, data)
             }
         }
     }

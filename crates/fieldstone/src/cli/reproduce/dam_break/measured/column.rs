@@ -7,9 +7,9 @@ use anyhow::{anyhow, bail};
 use fieldstone::io::source::read_all;
 use plotters::chart::SeriesLabelPosition;
 
-use super::super::flow_run::Flows;
+use super::super::flow_run::FlowRun;
 use super::data::{Curved, gauge, pairs, relative_rms};
-use super::{clipped, computed, measured, percent, run};
+use super::{clipped, computed, measured, percent};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// Width of the computed column, and gravity.
@@ -20,14 +20,13 @@ const FILE_WIDTH: f64 = 1.0;
 /// Where the wall of Koshizuka and Oka stands, over the column's width.
 const WALL: f64 = 4.0;
 
-pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
-    let flow = run(flows, "column", include_str!("column.toml"))?;
+pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
     // T = t √(2 g/a), Z = x/a; H = height over its start.
     let scaled = |curve: Curved, width: f64, height: f64| -> Curved {
         curve.into_iter().map(|(t, x)| (t * (2.0 * GRAVITY / width).sqrt(), x / height)).collect()
     };
-    let front = scaled(gauge(&flow, "front")?, WIDTH, WIDTH);
-    let height = scaled(gauge(&flow, "height")?, WIDTH, 2.0 * WIDTH);
+    let front = scaled(gauge(flow, "front")?, WIDTH, WIDTH);
+    let height = scaled(gauge(flow, "height")?, WIDTH, 2.0 * WIDTH);
     let last = front.last().map_or(0.0, |p| p.0);
     let before_wall = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.1 < WALL).collect() };
     let seen = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.0 <= last).collect() };
@@ -44,8 +43,9 @@ pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Resu
     // The height's time is t √(g/a).
     let heights: Curved = seen(table(data, "tau", "H")?.into_iter().map(|(t, h)| (t * 2f64.sqrt(), h)).collect());
 
-    let mut text = String::from(
-        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = 50, in two dimensions; front Z = x/a \
+    let resolution = WIDTH / flow.case.sections.spacing;
+    let mut text = format!(
+        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = {resolution:.0}, in two dimensions; front Z = x/a \
          and height H over T = t √(2g/a). Root mean square of computed over measured − 1, and the front's mean speed dZ/dT from \
          Z = 1.8 to 3.8, which does not depend on how the gate opened; that of the computation opens at once:\n\n\
          | measurement | points | RMS | speed, computed | measured | error |\n|---|---|---|---|---|---|\n",

@@ -1,4 +1,6 @@
 //! Flows that were measured, beside the measurements: no time is shifted, no parameter fitted.
+//!
+//! They go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower.
 
 mod buchner;
 mod column;
@@ -41,22 +43,19 @@ impl Experiment {
         }
     }
 
-    /// Its section of the page, with measurements from the folder `data`.
-    pub fn section(self, flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
-        match self {
-            Self::Column => column::section(flows, folder, data),
-            Self::Buchner => buchner::section(flows, folder, data),
-            Self::Spheric2 => spheric_2::section(flows, folder, data),
-            Self::TallStructure => tall_structure::section(flows, folder, data),
-        }
+    /// Its section of the page, with measurements from the folder `data`; spacings are those of the cases over `refinement`.
+    pub fn section(self, flows: &Flows, refinement: f64, folder: &Path, data: &Path) -> anyhow::Result<String> {
+        let (name, text, section): (_, _, fn(&FlowRun, &Path, &Path) -> anyhow::Result<String>) = match self {
+            Self::Column => ("column", include_str!("column.toml"), column::section),
+            Self::Buchner => ("buchner", include_str!("buchner.toml"), buchner::section),
+            Self::Spheric2 => ("spheric-2", include_str!("spheric-2.toml"), spheric_2::section),
+            Self::TallStructure => ("tall-structure", include_str!("tall-structure.toml"), tall_structure::section),
+        };
+        let mut case = Case::parse(text, name)?;
+        case.sections.spacing /= refinement;
+        let end = case.sections.time.end;
+        section(&flows.run(name, case, &[end], &[])?, folder, data)
     }
-}
-
-/// Runs one of the cases beside this file to its end.
-fn run(flows: &Flows, name: &str, text: &str) -> anyhow::Result<FlowRun> {
-    let case = Case::parse(text, name)?;
-    let end = case.sections.time.end;
-    flows.run(name, case, &[end], &[])
 }
 
 /// A computed curve, a full line.

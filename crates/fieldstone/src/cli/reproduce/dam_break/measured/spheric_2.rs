@@ -5,9 +5,9 @@ use std::path::Path;
 
 use plotters::chart::SeriesLabelPosition;
 
-use super::super::flow_run::Flows;
+use super::super::flow_run::FlowRun;
 use super::data::{Curved, arrival, column, gauge, mean, rows};
-use super::{clipped, computed, measured, percent, run};
+use super::{clipped, computed, measured, percent};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// Pressure that tells the arrival at the box.
@@ -17,12 +17,11 @@ const PLATEAU: [f64; 2] = [0.6, 1.1];
 /// Water level that tells the arrival at a height gauge.
 const WET: f64 = 0.03;
 
-pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
-    let flow = run(flows, "spheric-2", include_str!("spheric-2.toml"))?;
+pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
     let experiment = rows(&data.join("spheric_test2_kleefsman.dat.gz"), 13)?;
     // Columns: time, P1 to P8, H1 to H4.
     let pair = |name: &str, index: usize| -> anyhow::Result<(Curved, Curved)> {
-        Ok((gauge(&flow, name)?, column(&experiment, index)))
+        Ok((gauge(flow, name)?, column(&experiment, index)))
     };
     let (p1, p3) = (pair("P1", 1)?, pair("P3", 3)?);
     let (h1, h2, h4) = (pair("H1", 9)?, pair("H2", 10)?, pair("H4", 12)?);

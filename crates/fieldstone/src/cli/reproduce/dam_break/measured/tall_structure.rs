@@ -7,9 +7,9 @@ use fieldstone::particles::Particles;
 use fieldstone::sph::FluidOptions;
 use plotters::chart::SeriesLabelPosition;
 
-use super::super::flow_run::Flows;
+use super::super::flow_run::FlowRun;
 use super::data::{Curved, arrival, gauge, mean, pairs, relative_rms};
-use super::{clipped, computed, measured, percent, run};
+use super::{clipped, computed, measured, percent};
 use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// The probe: 146 mm before the structure's centre, 26 mm above the floor, in the plane of symmetry.
@@ -17,11 +17,10 @@ const PROBE: [f64; 3] = [0.814, 0.0, 0.026];
 /// Force that tells the arrival, newtons.
 const ARRIVED: f64 = 10.0;
 
-pub(super) fn section(flows: &Flows, folder: &Path, data: &Path) -> anyhow::Result<String> {
-    let flow = run(flows, "tall-structure", include_str!("tall-structure.toml"))?;
+pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
     let fluid = flow.case.flow()?.fluid;
     // Half of the flow is computed.
-    let force: Curved = gauge(&flow, "force_x")?.into_iter().map(|(t, f)| (t, 2.0 * f)).collect();
+    let force: Curved = gauge(flow, "force_x")?.into_iter().map(|(t, f)| (t, 2.0 * f)).collect();
     let mut speed: Curved = Vec::new();
     for (time, particles) in flow.series()? {
         if let Some(u) = speed_at(&particles, &fluid, PROBE)? {
