@@ -171,6 +171,22 @@ impl FlowRun {
         self.folder.join(format!("frame_{time:.3}s.vtp"))
     }
 
+    /// What the paper leaves open, in words: viscosity, and which neighbours count in Eq. 11.
+    pub fn settings(&self) -> String {
+        let fluid = &self.case.sections.fluid;
+        let viscosity = match (fluid.alpha, fluid.viscosity) {
+            (Some(alpha), _) => format!("α = {alpha}"),
+            (None, Some(viscosity)) => format!("μ = {viscosity} Pa s"),
+            (None, None) => "the default viscosity".into(),
+        };
+        let shifting = match &self.case.sections.shifting {
+            Some(s) if s.enabled && s.nearest_counts => "Eq. 11 with the nearest free-surface particle",
+            Some(s) if s.enabled => "Eq. 11 as printed",
+            _ => "no shifting",
+        };
+        format!("{viscosity}, {shifting}")
+    }
+
     /// Whether a frame at a time was kept.
     pub fn has_frame(&self, time: f64) -> bool {
         time == 0.0 || self.frame_path(time).exists()

@@ -59,11 +59,12 @@ pub(super) fn section(flows: &Flows, folder: &Path, spacing: f64, slab: bool) ->
     AtomicFile::write(&folder.join("fig18.csv"), |out| out.write_all(table.as_bytes()))?;
     plot(&folder.join("fig18_layer.png"), &counts)?;
 
-    let mut text = String::from(
-        "## Fig. 18: shifting by Wang's and by the exact detection\n\nThe dam break computed twice; the detection that its \
-         shifting uses is all that differs. Particles in the surface layer: free surface by the exact / by Wang's detection \
+    let mut text = format!(
+        "## Fig. 18: shifting by Wang's and by the exact detection\n\nThe dam break computed twice, Δx = {spacing}, {}; the \
+         detection that its shifting uses is all that differs. Particles in the surface layer: free surface by the exact / by Wang's detection \
          / closer than Δx to the free surface.\n\n| time | exact in the shifting | Wang in the shifting | layer, Wang over \
          exact |\n|---|---|---|---|\n",
+        runs[0].settings(),
     );
     let mut pictures = String::from("![Surface layer](fig18_layer.png)\n");
     for time in [0.5, 1.0, 1.5, 2.0, 2.24, 2.5, 2.97] {

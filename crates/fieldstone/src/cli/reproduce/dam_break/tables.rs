@@ -116,10 +116,11 @@ impl Table {
         let mut text = format!("## {}\n\n", self.title());
         let _ = writeln!(
             text,
-            "Case `{}`, Δx = {spacing}, {} particles. TP/EP (misses + false positives)/M:\n\n| time | {} | free surface \
+            "Case `{}`, Δx = {spacing}, {} particles, {}. TP/EP (misses + false positives)/M:\n\n| time | {} | free surface \
              |\n|---|---|---|---|---|",
             flow.case.sections.title,
             flow.case.state()?.len(),
+            flow.settings(),
             NAMES.join(" | "),
         );
         let mut pictures = String::new();
