@@ -6,12 +6,11 @@ use std::path::Path;
 use anyhow::{anyhow, bail};
 use fieldstone::io::source::read_all;
 use plotters::chart::SeriesLabelPosition;
-use plotters::style::BLACK;
 
 use super::super::flow_run::FlowRun;
 use super::data::{Curved, gauge, pairs, relative_rms};
-use super::{clipped, computed, measured};
-use crate::cli::reproduce::plots::{Axis, COLOURS, Curve, Plot, draw};
+use super::{clipped, computed, measured, percent};
+use crate::cli::reproduce::plots::{Axis, COLOURS, Plot, draw};
 
 /// Width of the computed column, and gravity.
 const WIDTH: f64 = 0.146;
@@ -21,15 +20,13 @@ const FILE_WIDTH: f64 = 1.0;
 /// Where the wall of Koshizuka and Oka stands, over the column's width.
 const WALL: f64 = 4.0;
 
-/// From the flow between walls along which it slides, and from the one that they hold back.
-pub(super) fn section(sliding: &FlowRun, sticking: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
+pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
     // T = t √(2 g/a), Z = x/a; H = height over its start.
     let scaled = |curve: Curved, width: f64, height: f64| -> Curved {
         curve.into_iter().map(|(t, x)| (t * (2.0 * GRAVITY / width).sqrt(), x / height)).collect()
     };
-    let [front, front_no_slip] = [gauge(sliding, "front")?, gauge(sticking, "front")?].map(|c| scaled(c, WIDTH, WIDTH));
-    let [height, height_no_slip] =
-        [gauge(sliding, "height")?, gauge(sticking, "height")?].map(|c| scaled(c, WIDTH, 2.0 * WIDTH));
+    let front = scaled(gauge(flow, "front")?, WIDTH, WIDTH);
+    let height = scaled(gauge(flow, "height")?, WIDTH, 2.0 * WIDTH);
     let last = front.last().map_or(0.0, |p| p.0);
     let before_wall = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.1 < WALL).collect() };
     let seen = |curve: Curved| -> Curved { curve.into_iter().filter(|p| p.0 <= last).collect() };
@@ -46,26 +43,24 @@ pub(super) fn section(sliding: &FlowRun, sticking: &FlowRun, folder: &Path, data
     // The height's time is t √(g/a).
     let heights: Curved = seen(table(data, "tau", "H")?.into_iter().map(|(t, h)| (t * 2f64.sqrt(), h)).collect());
 
-    let resolution = WIDTH / sliding.case.sections.spacing;
+    let resolution = WIDTH / flow.case.sections.spacing;
     let mut text = format!(
-        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = {resolution:.0}, in two \
-         dimensions; front Z = x/a and height H over T = t √(2g/a). Root mean square of computed over measured − 1, and the \
-         front's mean speed dZ/dT from Z = 1.8 to 3.8, which does not depend on how the gate opened; that of the computation \
-         opens at once. Each along walls with free slip, and without slip, where the layer that is held back is that of the \
-         computed viscosity, thicker than water's:\n\n\
-         | measurement | points | RMS, free slip | RMS, no slip | speed, free slip | no slip | measured |\n\
-         |---|---|---|---|---|---|---|\n",
+        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = {resolution:.0}, in two dimensions; front Z = x/a \
+         and height H over T = t √(2g/a). Root mean square of computed over measured − 1, and the front's mean speed dZ/dT from \
+         Z = 1.8 to 3.8, which does not depend on how the gate opened; that of the computation opens at once:\n\n\
+         | measurement | points | RMS | speed, computed | measured | error |\n|---|---|---|---|---|---|\n",
     );
-    let speed_of = |curve: &Curved| speed(curve).map_or_else(|| "–".into(), |s| format!("{s:.3}"));
-    let rows = fronts.iter().map(|(name, curve)| (*name, curve, [&front, &front_no_slip]));
-    for (name, curve, ours) in rows.chain([("Martin and Moyce, height, table 6", &heights, [&height, &height_no_slip])])
+    for (name, curve, ours) in
+        fronts.iter().map(|(n, c)| (*n, c, &front)).chain([("Martin and Moyce, height, table 6", &heights, &height)])
     {
-        let rms = ours.map(|ours| 100.0 * relative_rms(ours, curve).unwrap_or(f64::NAN));
-        let speeds = [ours[0], ours[1], curve].map(speed_of).join(" | ");
-        let _ = writeln!(text, "| {name} | {} | {:.1} % | {:.1} % | {speeds} |", curve.len(), rms[0], rms[1]);
+        let rms = relative_rms(ours, curve).unwrap_or(f64::NAN);
+        let _ = write!(text, "| {name} | {} | {:.1} % |", curve.len(), 100.0 * rms);
+        let _ = match (speed(ours), speed(curve)) {
+            (Some(a), Some(b)) => writeln!(text, " {a:.3} | {b:.3} | {} |", percent(a / b - 1.0)),
+            _ => writeln!(text, " – | – | – |"),
+        };
     }
-    let no_slip = |curve: &Curved| Curve { colour: BLACK, ..computed("computed, no slip", curve) };
-    let mut curves = vec![computed("computed, free slip", &front), no_slip(&front_no_slip)];
+    let mut curves = vec![computed("computed", &front)];
     curves.extend(fronts.iter().zip(&COLOURS[1..]).map(|((name, curve), colour)| measured(name, curve, *colour)));
     let axis = |name: &'static str, high: f64| Axis { name, range: [0.0, high], logarithmic: false };
     let plots = [
@@ -80,11 +75,7 @@ pub(super) fn section(sliding: &FlowRun, sticking: &FlowRun, folder: &Path, data
             title: "Height".into(),
             x: axis("t √(2g/a)", last),
             y: axis("height over its start", 1.05),
-            curves: vec![
-                computed("computed, free slip", &height),
-                no_slip(&height_no_slip),
-                measured("Martin and Moyce, table 6", &heights, COLOURS[1]),
-            ],
+            curves: vec![computed("computed", &height), measured("Martin and Moyce, table 6", &heights, COLOURS[1])],
             legend: Some(SeriesLabelPosition::UpperRight),
         },
     ];

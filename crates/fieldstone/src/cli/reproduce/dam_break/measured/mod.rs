@@ -1,6 +1,7 @@
 //! Flows that were measured, beside the measurements: no time is shifted, no parameter fitted.
 //!
-//! They go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower.
+//! Those with bodies or impacts go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower;
+//! the column needs it, or gaps open in the water that slows down.
 
 mod buchner;
 mod column;
@@ -10,7 +11,7 @@ mod tall_structure;
 
 use std::path::Path;
 
-use fieldstone::sph::{Case, SlipName};
+use fieldstone::sph::Case;
 use plotters::style::RGBColor;
 
 use self::data::Curved;
@@ -45,31 +46,16 @@ impl Experiment {
 
     /// Its section of the page, with measurements from the folder `data`; spacings are those of the cases over `refinement`.
     pub fn section(self, flows: &Flows, refinement: f64, folder: &Path, data: &Path) -> anyhow::Result<String> {
-        let run = |name: &str, text: &str, change: fn(&mut Case)| -> anyhow::Result<FlowRun> {
-            let mut case = Case::parse(text, name)?;
-            case.sections.spacing /= refinement;
-            change(&mut case);
-            let end = case.sections.time.end;
-            flows.run(name, case, &[end], &[])
+        let (name, text, section): (_, _, fn(&FlowRun, &Path, &Path) -> anyhow::Result<String>) = match self {
+            Self::Column => ("column", include_str!("column.toml"), column::section),
+            Self::Buchner => ("buchner", include_str!("buchner.toml"), buchner::section),
+            Self::Spheric2 => ("spheric-2", include_str!("spheric-2.toml"), spheric_2::section),
+            Self::TallStructure => ("tall-structure", include_str!("tall-structure.toml"), tall_structure::section),
         };
-        match self {
-            Self::Column => {
-                let text = include_str!("column.toml");
-                let sliding = run("column", text, |_| ())?;
-                let sticking = run("column-no-slip", text, |case| {
-                    case.sections.wall.iter_mut().for_each(|wall| wall.slip = SlipName::No);
-                })?;
-                column::section(&sliding, &sticking, folder, data)
-            }
-            Self::Buchner => buchner::section(&run("buchner", include_str!("buchner.toml"), |_| ())?, folder, data),
-            Self::Spheric2 => {
-                spheric_2::section(&run("spheric-2", include_str!("spheric-2.toml"), |_| ())?, folder, data)
-            }
-            Self::TallStructure => {
-                let flow = run("tall-structure", include_str!("tall-structure.toml"), |_| ())?;
-                tall_structure::section(&flow, folder, data)
-            }
-        }
+        let mut case = Case::parse(text, name)?;
+        case.sections.spacing /= refinement;
+        let end = case.sections.time.end;
+        section(&flows.run(name, case, &[end], &[])?, folder, data)
     }
 }
 
