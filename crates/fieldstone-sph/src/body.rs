@@ -118,6 +118,9 @@ impl Shape {
 ///
 /// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
 /// beyond by the kernel's radius 2h.
+///
+/// Bodies at rest, and bodies with the same motion, may overlap: together they are one solid, and what several of them cover
+/// belongs to the first, with its slip and in its force. Bodies that move otherwise must not overlap at time 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Its shape, where it is without a displacement.
@@ -143,6 +146,30 @@ impl Body {
     pub fn contains(&self, x: [f64; 3], time: f64, dimension: usize) -> bool {
         let moved = self.pose(time).displacement;
         self.shape.contains(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+    }
+
+    /// Whether both stay where they are to each other.
+    pub(crate) fn moves_with(&self, other: &Self) -> bool {
+        self.motion == other.motion
+    }
+
+    /// A place at time 0 that lies in two bodies: a lattice point of one in the other.
+    pub(crate) fn common_place(&self, other: &Self, fluid: &FluidOptions) -> Option<[f64; 3]> {
+        let bounds = [self, other].map(|body| (body.shape.bounds(), body.pose(0.0).displacement));
+        let [((low, high), moved), ((other_low, other_high), other_moved)] = bounds;
+        let apart = |k: usize| {
+            high[k] + moved[k] <= other_low[k] + other_moved[k] || other_high[k] + other_moved[k] <= low[k] + moved[k]
+        };
+        // Lattices cost something, and most bodies are far from each other.
+        if (0..fluid.dimension).any(apart) {
+            return None;
+        }
+        [(self, other), (other, self)].into_iter().find_map(|(one, two)| {
+            let moved = one.pose(0.0).displacement;
+            let (points, _) = one.shape.lattice(fluid.spacing, fluid.dimension);
+            let placed = points.into_par_iter().map(|x| std::array::from_fn(|k| x[k] + moved[k]));
+            placed.find_first(|&x| two.contains(x, 0.0, fluid.dimension))
+        })
     }
 
     /// Ghost particles, without displacement: the outermost layer of thickness 2h, and the volume of each.

@@ -68,7 +68,7 @@ impl Boundaries {
     /// Checks the domain, and that no two boundaries are closer than `reach`.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::SameSide`], [`SphError::ThinBody`].
+    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::SameSide`], [`SphError::ThinBody`], [`SphError::Overlapping`].
     pub fn validate(&self, fluid: &FluidOptions, reach: f64) -> Result<(), SphError> {
         for axis in 0..fluid.dimension {
             let length = self.high[axis] - self.low[axis];
@@ -99,6 +99,14 @@ impl Boundaries {
                 check("the cosine between two walls", cosine, square, "0, 1 or −1: mirror walls meet at right angles")?;
             }
         }
-        self.bodies.iter().enumerate().try_for_each(|(index, body)| body.validate(index, fluid))
+        self.bodies.iter().enumerate().try_for_each(|(index, body)| body.validate(index, fluid))?;
+        for (second, body) in self.bodies.iter().enumerate() {
+            for (first, other) in self.bodies[..second].iter().enumerate().filter(|(_, b)| !b.moves_with(body)) {
+                if let Some(at) = other.common_place(body, fluid) {
+                    return Err(SphError::Overlapping { first, second, at });
+                }
+            }
+        }
+        Ok(())
     }
 }

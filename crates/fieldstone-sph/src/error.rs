@@ -74,6 +74,18 @@ pub enum SphError {
         /// What is needed.
         needed: f64,
     },
+    /// Two bodies that do not move alike share a place at time 0: both would push the fluid there.
+    #[error(
+        "bodies {first} and {second} overlap at {at:?} and do not move alike; only bodies at rest, or with the same motion, may overlap: move one of them"
+    )]
+    Overlapping {
+        /// Index of a body, from 0.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+        /// A place in both.
+        at: [f64; 3],
+    },
     /// A surface of triangles bounds no solid.
     #[error("{message}")]
     NoSolid {

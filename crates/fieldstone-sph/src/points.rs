@@ -37,7 +37,10 @@ impl BodyGhosts {
     fn new(fluid: &FluidOptions, boundaries: &Boundaries) -> Self {
         let mut ghosts = Self::default();
         for (index, body) in boundaries.bodies.iter().enumerate() {
-            let (points, volume) = body.ghosts(fluid);
+            let (mut points, volume) = body.ghosts(fluid);
+            // What an earlier body covers has its ghosts: twice as many would push the fluid twice.
+            let earlier = &boundaries.bodies[..index];
+            points.retain(|&x| !earlier.iter().any(|b| b.moves_with(body) && b.shape.contains(x, fluid.dimension)));
             let points: Vec<_> = spatial_order(&points).into_iter().map(|i| points[i as usize]).collect();
             let count = ghosts.x.len() + points.len();
             ghosts.volume.resize(count, volume);

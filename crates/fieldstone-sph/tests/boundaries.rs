@@ -3,8 +3,10 @@
 
 mod common;
 
-use common::{dam_break, state, tank};
-use fieldstone_sph::{Flow, FluidOptions, Shape, Slip, Solver, level_over, pressure_at};
+use common::{dam_break, run, state, tank};
+use fieldstone_sph::{
+    Body, Flow, FluidOptions, Motion, Shape, Slip, Solver, SphError, level_over, pressure_at,
+};
 use fieldstone_surface::{Method, ScanningCone};
 
 #[test]
@@ -71,4 +73,51 @@ fn a_plane_flow_stays_in_its_plane() {
         error.contains("particle 7") && error.contains("in two dimensions z and its velocity must be 0"),
         "{error}"
     );
+}
+
+/// Water at rest beside bodies that are boxes; each moves by a motion or not.
+fn beside(boxes: &[([f64; 2], [f64; 2], Option<Motion>)]) -> Result<Solver, SphError> {
+    let mut fluid = FluidOptions::new(2, 0.02, 1.0, 4000.0);
+    fluid.sound_speed = 30.0;
+    let mut boundaries = tank([0.0; 3], [0.8, 0.6, 0.0], &fluid, Slip::Free);
+    for (low, high, motion) in boxes {
+        let shape = Shape::Box { low: [low[0], low[1], 0.0], high: [high[0], high[1], 0.0] };
+        boundaries.bodies.push(Body { motion: motion.clone(), ..Body::new(shape, Slip::Free) });
+    }
+    let water = Shape::Box { low: [0.0; 3], high: [0.48, 0.3, 0.0] };
+    let state = state(&[water], &fluid, |_| [0.0; 3], |x| 9810.0 * (0.3 - x[1]));
+    Solver::new(Flow::new(fluid, boundaries), state)
+}
+
+#[test]
+fn bodies_that_overlap_are_one_solid() {
+    let (low, high) = ([0.48, -0.12], [0.8, 0.4]);
+    // Twice the same, and an L with the part of it that closes the L: the same solid each time.
+    let l = [(low, [0.64, 0.4], None), (low, [0.8, 0.12], None), ([0.56, 0.0], high, None)];
+    let found = [vec![(low, high, None)], vec![(low, high, None); 2], l.to_vec()].map(|boxes| {
+        let mut solver = beside(&boxes).unwrap();
+        run(&mut solver, 0.05);
+        let forces = solver.boundary_forces().unwrap().bodies;
+        let sum = forces.iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
+        println!("{} bodies: force {sum:?}, kinetic energy {:.2e}", boxes.len(), solver.energies().kinetic);
+        (sum, forces, solver.energies().kinetic)
+    });
+    let [(one, _, kinetic), (twice, forces, same), (parts, ..)] = &found;
+    assert!((one[0] / (0.5 * 9810.0 * 0.09) - 1.0).abs() < 0.02, "{one:?}");
+    assert!(kinetic == same && twice == one && forces[1] == [0.0; 3], "{forces:?}");
+    assert!((0..2).all(|k| (parts[k] - one[k]).abs() < 1e-9 * one[0]), "{parts:?} {one:?}");
+    assert!(*kinetic < 0.01, "{kinetic}");
+}
+
+#[test]
+fn bodies_that_overlap_and_do_not_move_alike_are_refused() {
+    let motion = |x: f64| Some(Motion::new(&[(0.0, [0.0; 3]), (1.0, [x, 0.0, 0.0])]).unwrap());
+    let (low, high) = ([0.6, -0.12], [0.8, 0.4]);
+    let error = beside(&[(low, high, None), (low, high, motion(0.1))]).unwrap_err();
+    assert!(matches!(error, SphError::Overlapping { first: 0, second: 1, .. }), "{error}");
+    assert!(error.to_string().contains("only bodies at rest, or with the same motion, may overlap: move one"), "{error}");
+    assert!(beside(&[(low, high, motion(0.2)), (low, high, motion(0.1))]).is_err());
+    // Side by side, or with the same motion, they may be.
+    assert!(beside(&[(low, high, motion(0.1)), ([0.5, 0.32], high, motion(0.1))]).is_ok());
+    assert!(beside(&[(low, [0.7, 0.4], None), ([0.7, 0.0], high, motion(0.1))]).is_ok());
 }
