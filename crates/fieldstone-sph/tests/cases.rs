@@ -209,3 +209,81 @@ fn a_body_that_is_too_thin_and_a_slab_that_is_too_narrow_are_refused() {
     let narrow = shipped("dam-break-slab").with_spacing(0.06).unwrap_err().to_string();
     assert!(narrow.contains("the periodic faces along y are 0.18"), "{narrow}");
 }
+
+/// A block of water in a closed box, with gravity and fills as given.
+fn still(gravity: &str, fills: &str) -> String {
+    format!(
+        "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [2, 2]\n[fluid]\ndensity = 1000\nexpected_speed = 1\n\
+         expected_pressure = 20000\ngravity = {gravity}\n[time]\nend = 1\n{fills}[[wall]]\nkind = \"tank\"\n"
+    )
+}
+
+fn fill(low: [f64; 2], high: [f64; 2], rest: &str) -> String {
+    format!("[[fill]]\nshape = \"box\"\nlow = {low:?}\nhigh = {high:?}\n{rest}\n")
+}
+
+/// Positions and pressures at the start.
+fn pressures(text: &str) -> Vec<([f64; 3], f64)> {
+    let case = Case::parse(text, "c.toml").unwrap();
+    let (state, fluid) = (case.state().unwrap(), case.flow().unwrap().fluid);
+    state.x.iter().zip(&state.density).map(|(x, density)| (*x, fluid.pressure(*density))).collect()
+}
+
+#[test]
+fn hydrostatic_pressure_grows_along_gravity_whatever_its_direction() {
+    let block = fill([0.0, 0.0], [1.0, 0.5], "pressure = \"hydrostatic\"");
+    for (gravity, top) in [
+        ([0.0, -9.81], [0.0, 0.5]),
+        ([0.0, 9.81], [0.0, 0.0]),
+        ([9.81, 0.0], [0.0, 0.0]),
+        ([-6.0, -8.0], [1.0, 0.5]),
+    ] {
+        for (x, p) in pressures(&still(&format!("{gravity:?}"), &block)) {
+            let expected = 1000.0 * (gravity[0] * (x[0] - top[0]) + gravity[1] * (x[1] - top[1]));
+            assert!((p - expected).abs() < 1e-6 && p > 0.0, "{gravity:?} {x:?}: {p} {expected}");
+        }
+    }
+}
+
+#[test]
+fn stacked_fills_below_one_level_begin_as_one_fill() {
+    for (gravity, level) in [("[0, -9.81]", "0.8"), ("[0, 9.81]", "0.0")] {
+        let below = format!("pressure = \"hydrostatic\"\nsurface = {level}");
+        let halves = fill([0.0, 0.0], [1.0, 0.5], &below) + &fill([0.0, 0.5], [1.0, 0.8], &below);
+        let mut two = pressures(&still(gravity, &halves));
+        let mut one = pressures(&still(gravity, &fill([0.0, 0.0], [1.0, 0.8], "pressure = \"hydrostatic\"")));
+        for particles in [&mut one, &mut two] {
+            particles.sort_by_key(|(x, _)| [x[0], x[1]].map(|x| (x / 0.05) as i64));
+        }
+        assert_eq!(one.len(), two.len());
+        for ((x, p), (y, q)) in one.iter().zip(&two) {
+            assert!((0..2).all(|k| (x[k] - y[k]).abs() < 1e-9) && (p - q).abs() < 1e-5, "{x:?} {p}, {y:?} {q}");
+        }
+    }
+}
+
+#[test]
+fn levels_and_waves_that_gravity_does_not_allow_are_refused() {
+    let below = |level: &str| fill([0.0, 0.0], [1.0, 0.5], &format!("pressure = \"hydrostatic\"\nsurface = {level}"));
+    let wave = "flow = \"standing-wave\"\namplitude = 0.01\nwavelength = 1";
+    for (gravity, fills, expected) in [
+        ("[0, -9.81]", below("0.4"), "c.toml:18: surface is 0.4; it must be at least the fill's top, 0.5"),
+        ("[0, 9.81]", below("-0.1"), "c.toml:18: surface is -0.1; it must be at least the fill's top, 0,"),
+        ("[0, 0]", below("0.6"), "c.toml:18: without gravity there is no level"),
+        ("[0, -9.81]", below("nan"), "c.toml:18: surface is NaN; it must be finite"),
+        (
+            "[0, -9.81]",
+            fill([0.0, 0.0], [1.0, 0.5], "pressure = 3\nsurface = 0.6"),
+            "c.toml:18: surface goes with pressure = \"hydrostatic\" only",
+        ),
+        (
+            "[9.81, 0]",
+            fill([0.0, 0.0], [1.0, 0.5], wave),
+            "c.toml:17: a standing wave needs gravity along minus y, it is [9.81, 0.0]",
+        ),
+        ("[0, 9.81]", fill([0.0, 0.0], [1.0, 0.5], wave), "c.toml:17: a standing wave needs gravity along minus y"),
+    ] {
+        let error = Case::parse(&still(gravity, &fills), "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\ninstead of {expected}");
+    }
+}

@@ -1,7 +1,8 @@
 //! Whether the sections of a case make sense, before anything is made of them.
 
 use super::keys::{positive, vector};
-use super::{Case, WallKind};
+use super::flows::top_level;
+use super::{Case, FlowName, WallKind};
 use crate::{Flow, FluidOptions, SphError, State, gauge_columns, sound_speed_bound};
 
 /// Most particles of a case: their numbers have 32 bits, and their positions alone take 6 GB.
@@ -98,6 +99,41 @@ impl Case {
                 continue;
             };
             return Err(self.fault("domain", 0, "periodic", message));
+        }
+        Ok(())
+    }
+
+    /// Whether gravity lets a fill begin as it says: with a wave, or below a level.
+    pub(super) fn check_gravity(
+        &self,
+        nth: usize,
+        bounds: ([f64; 3], [f64; 3]),
+        fluid: &FluidOptions,
+    ) -> Result<(), SphError> {
+        let (fill, gravity) = (&self.sections.fill[nth], fluid.gravity);
+        let up = self.up();
+        let downwards = gravity[up] < 0.0 && (0..up).all(|k| gravity[k] == 0.0);
+        if fill.flow == FlowName::StandingWave && !downwards {
+            let message = format!(
+                "a standing wave needs gravity along minus {}, it is {:?}; turn the case, or take another flow",
+                ["x", "y", "z"][up],
+                &gravity[..=up]
+            );
+            return Err(self.fault("fill", nth, "flow", message));
+        }
+        let Some(surface) = fill.surface else { return Ok(()) };
+        if gravity == [0.0; 3] {
+            let message = "without gravity there is no level; remove surface, or give gravity";
+            return Err(self.fault("fill", nth, "surface", message));
+        }
+        let top = top_level(bounds, gravity);
+        let extent = (0..3).map(|k| bounds.1[k] - bounds.0[k]).fold(0.0, f64::max);
+        // A level at the top may come rounded.
+        if surface < top - 1e-9 * extent {
+            let message = format!(
+                "surface is {surface}; it must be at least the fill's top, {top}, or the pressure were negative above it"
+            );
+            return Err(self.fault("fill", nth, "surface", message));
         }
         Ok(())
     }

@@ -3,8 +3,23 @@ use std::f64::consts::PI;
 use super::sections::{FillSection, FlowName, Pressure, PressureName};
 use crate::FluidOptions;
 
+/// |g|.
+fn size(gravity: [f64; 3]) -> f64 {
+    gravity.iter().map(|g| g * g).sum::<f64>().sqrt()
+}
+
+/// Height, −g·x/|g|, of the corner of a box that is farthest against gravity.
+pub(super) fn top_level((low, high): ([f64; 3], [f64; 3]), gravity: [f64; 3]) -> f64 {
+    let height = |k: usize| -gravity[k] / size(gravity) * if gravity[k] > 0.0 { low[k] } else { high[k] };
+    // Not −0, which messages would show.
+    (0..3).map(height).sum::<f64>() + 0.0
+}
+
 impl FillSection {
-    /// Velocity and pressure at a point of a fill between two corners; `up` is the axis along gravity.
+    /// Velocity and pressure at a point of a fill between two corners; `up` is the last axis, along which waves stand.
+    ///
+    /// Hydrostatic pressure is p = ρ₀ g·(x − x_top) + ρ₀ |g| (L − L_top) with the corner x_top that is farthest against g, its
+    /// height L_top along −g, and the level L of the `surface`; L_top where that is absent.
     pub(super) fn initial(
         &self,
         x: [f64; 3],
@@ -46,7 +61,13 @@ impl FillSection {
         let pressure = match self.pressure {
             Pressure::Uniform(p) => p,
             Pressure::Named(PressureName::Flow) => pressure,
-            Pressure::Named(PressureName::Hydrostatic) => fluid.density * fluid.gravity[up].abs() * (top - x[up]),
+            Pressure::Named(PressureName::Hydrostatic) => {
+                let below = |k: usize| if fluid.gravity[k] > 0.0 { x[k] - low[k] } else { high[k] - x[k] };
+                let weight: f64 = (0..3).map(|k| fluid.density * fluid.gravity[k].abs() * below(k)).sum();
+                // Without a level nothing is added: not even what rounding makes of it.
+                let above = self.surface.map_or(0.0, |level| level - top_level(bounds, fluid.gravity));
+                weight + fluid.density * size(fluid.gravity) * above
+            }
         };
         (velocity, pressure)
     }

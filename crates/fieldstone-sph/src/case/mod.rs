@@ -455,6 +455,7 @@ impl Case {
             let shape = self.shape("fill", nth, &fill.keys())?;
             let (points, cell) = shape.lattice(s.spacing, s.dimension);
             let bounds = shape.bounds();
+            self.check_gravity(nth, bounds, &flow.fluid)?;
             let before = state.len();
             for x in points {
                 if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {

@@ -250,7 +250,7 @@ pub enum Pressure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PressureName {
-    /// ρ₀ |g| below the fill's top.
+    /// ρ₀ |g| times the depth, along gravity, below the fill's top or its `surface`.
     Hydrostatic,
     /// That of the fill's flow.
     Flow,
@@ -313,6 +313,8 @@ pub struct FillSection {
     /// Initial pressure; 0.
     #[serde(default = "no_pressure")]
     pub pressure: Pressure,
+    /// Of a hydrostatic pressure: level of the water at rest, its height along −g; the fill's top.
+    pub surface: Option<f64>,
 }
 
 fn no_pressure() -> Pressure {
@@ -342,6 +344,12 @@ impl FillSection {
         only(kind, takes, &keys)?;
         if let Pressure::Uniform(pressure) = self.pressure {
             finite("fill", "pressure", Some(pressure))?;
+        }
+        if let Some(surface) = self.surface {
+            if self.pressure != Pressure::Named(PressureName::Hydrostatic) {
+                return Err(("surface", "surface goes with pressure = \"hydrostatic\" only; remove one of them".into()));
+            }
+            finite("fill", "surface", Some(surface))?;
         }
         match self.flow {
             FlowName::Uniform => match &self.velocity {
