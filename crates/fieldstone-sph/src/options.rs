@@ -209,10 +209,20 @@ impl TimeStepOptions {
         check("the largest time step", self.largest, self.largest > 0.0, "above 0")
     }
 
+    /// h/max(c₀, 10 u), the time in which sound crosses h.
+    fn crossing(fluid: &FluidOptions, largest_speed: f64) -> f64 {
+        fluid.h() / fluid.sound_speed.max(10.0 * largest_speed)
+    }
+
+    /// A step over the one that sound alone would allow, at most 1: 1 to the bit where sound bounds it.
+    pub(crate) fn share_of_sound(&self, fluid: &FluidOptions, largest_speed: f64, step: f64) -> f64 {
+        (step / (self.cfl * Self::crossing(fluid, largest_speed))).min(1.0)
+    }
+
     /// The time step for a largest speed and acceleration.
     pub fn step(&self, fluid: &FluidOptions, largest_speed: f64, largest_acceleration: f64) -> f64 {
         let h = fluid.h();
-        let sound = h / fluid.sound_speed.max(10.0 * largest_speed);
+        let sound = Self::crossing(fluid, largest_speed);
         let force = (h / largest_acceleration).sqrt();
         let viscous = self.viscous * h * h * fluid.density / fluid.dynamic_viscosity();
         let capillary =
@@ -223,8 +233,11 @@ impl TimeStepOptions {
 
 /// Particle shifting, Eq. 10 and 11.
 ///
-/// $$ \delta x_i = -k_\text{CFL}\,\mathrm{Ma}\,f\,h^2 \sum_j V_j \left[\chi_i + R\Big(\frac{W_{ij}}{W(\Delta x)}\Big)^n\right]
+/// $$ \delta x_i = -\theta\,k_\text{CFL}\,\mathrm{Ma}\,f\,h^2 \sum_j V_j \left[\chi_i + R\Big(\frac{W_{ij}}{W(\Delta x)}\Big)^n\right]
 ///    \nabla_i W_{ij}, \qquad \chi_i = 1 \text{ inside, } 0 \text{ near the surface} $$
+///
+/// θ is the time step over CFL h/max(c₀, 10 u), at most 1: it is 1 where sound bounds the step, and where something else does, such as
+/// viscosity or a `largest` step, the shift per unit of time stays what it was.
 ///
 /// Not at all on the free surface; near it (within 2h of a free-surface particle) only neighbours that are no farther than the
 /// nearest free-surface particle count.

@@ -31,7 +31,8 @@ pub(crate) struct Shift<'a, const FOUR: bool> {
 const SAME: f64 = 1.0 + 1e-9;
 
 impl<'a, const FOUR: bool> Shift<'a, FOUR> {
-    pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, carriers: &'a [Carrier]) -> Self {
+    /// `share` is the time step over the one that sound alone would allow.
+    pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, share: f64, carriers: &'a [Carrier]) -> Self {
         let (kernel, h) = (fluid.kernel(), fluid.h());
         let mach = shifting.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed);
         Self {
@@ -41,7 +42,7 @@ impl<'a, const FOUR: bool> Shift<'a, FOUR> {
             relative: kernel.alpha() / kernel.value(fluid.spacing),
             r: shifting.r,
             n: shifting.n,
-            scale: -shifting.k_cfl * mach * shifting.factor * h * h,
+            scale: -shifting.k_cfl * mach * shifting.factor * h * h * share,
             cap: shifting.cap * fluid.spacing,
             share: if shifting.nearest_counts { SAME } else { 1.0 / SAME },
         }

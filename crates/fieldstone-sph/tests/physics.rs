@@ -157,6 +157,21 @@ fn a_surface_that_stretches_is_not_crowded_from_below() {
 }
 
 #[test]
+fn shifting_per_time_does_not_hang_on_what_bounds_the_step() {
+    // Work of shifting up to 0.15 s, with steps of sound and of a quarter of them.
+    let work = [f64::INFINITY, 0.25 * 0.25 * 0.04 / 30.0].map(|largest| {
+        let (mut flow, state) = dam_break(0.02, Slip::Free);
+        flow.time_step.largest = largest;
+        flow.shifting = Some(ShiftingOptions::default());
+        let mut solver = Solver::new(flow, state).unwrap();
+        run(&mut solver, 0.15);
+        solver.budget().shifting
+    });
+    println!("work of shifting {work:?}");
+    assert!((work[1] / work[0] - 1.0).abs() < 0.2, "{work:?}");
+}
+
+#[test]
 fn a_standing_wave_has_its_period() {
     let (depth, length, amplitude) = (0.5, 1.0, 0.01);
     let dx = if long() { 0.0125 } else { 0.025 };

@@ -406,7 +406,7 @@ impl Solver {
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
         self.evaluate()?;
-        Ok(self.step_length())
+        Ok(self.step_length().0)
     }
 
     /// Rates of the present state.
@@ -426,7 +426,8 @@ impl Solver {
         self.fastest
     }
 
-    fn step_length(&mut self) -> f64 {
+    /// The time step, and what it is over the one that sound alone would allow.
+    fn step_length(&mut self) -> (f64, f64) {
         let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let speed = self.state.u.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt();
         let acceleration = self.stage.rates.par_iter().map(|r| square(&r.acceleration)).reduce(|| 0.0, f64::max).sqrt();
@@ -437,7 +438,9 @@ impl Solver {
         let (speed, acceleration) = motions
             .map(|m| m.largest(self.time, self.time + allowed))
             .fold((speed, acceleration), |(u, a), (v, b)| (u.max(v), a.max(b)));
-        self.flow.time_step.step(&self.flow.fluid, speed, acceleration)
+        let Flow { fluid, time_step, .. } = &self.flow;
+        let step = time_step.step(fluid, speed, acceleration);
+        (step, time_step.share_of_sound(fluid, speed, step))
     }
 
     /// Makes one time step and returns its length.
@@ -453,7 +456,7 @@ impl Solver {
         let before = self.stage.displacement(&self.state.x);
         self.evaluate()?;
         let mut clock = Instant::now();
-        let dt = self.step_length();
+        let (dt, share) = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
         match self.flow.time_step.integrator {
             Integrator::Symplectic => self.step_symplectic(dt)?,
@@ -471,7 +474,7 @@ impl Solver {
         if self.detector.is_some() {
             self.detect()?;
             match self.flow.shifting {
-                Some(shifting) => self.shift(&shifting)?,
+                Some(shifting) => self.shift(&shifting, share)?,
                 None => self.find_regions()?,
             }
         }
@@ -554,16 +557,16 @@ impl Solver {
     /// Regions of the present state, where nothing is shifted.
     fn find_regions(&mut self) -> Result<(), SphError> {
         let mut clock = Instant::now();
-        self.sum_shifts(&ShiftingOptions::default())?;
+        self.sum_shifts(&ShiftingOptions::default(), 1.0)?;
         self.regions.par_iter_mut().zip(&self.shifts).for_each(|(region, (_, found))| *region = *found);
         self.shifts.clear();
         self.stage.phases.add(Phase::Detection, &mut clock);
         Ok(())
     }
 
-    fn shift(&mut self, shifting: &ShiftingOptions) -> Result<(), SphError> {
+    fn shift(&mut self, shifting: &ShiftingOptions, share: f64) -> Result<(), SphError> {
         let mut clock = Instant::now();
-        self.sum_shifts(shifting)?;
+        self.sum_shifts(shifting, share)?;
         let (mass, gravity) = (self.flow.fluid.particle_mass(), self.flow.fluid.gravity);
         let moved = self.state.x.par_iter_mut().zip(&mut self.regions).zip(&self.shifts);
         moved.for_each(|((x, region), (shift, found))| {
@@ -576,17 +579,17 @@ impl Solver {
         Ok(())
     }
 
-    /// Shift and region of each particle.
-    fn sum_shifts(&mut self, shifting: &ShiftingOptions) -> Result<(), SphError> {
+    /// Shift and region of each particle; `share` is the step over the one that sound alone would allow.
+    fn sum_shifts(&mut self, shifting: &ShiftingOptions, share: f64) -> Result<(), SphError> {
         self.stage.ensure_lists(&self.state.x, &self.flow)?;
         let fluid = &self.flow.fluid;
         let points = &mut self.stage.points;
         points.fill_shifting(&self.state, fluid.particle_mass(), &self.free);
         self.shifts.resize(self.state.len(), ([0.0; 3], 2));
         if shifting.n == 4 {
-            points.fluid_list.sum(&Shift::<true>::new(fluid, shifting, &points.carriers), &mut self.shifts);
+            points.fluid_list.sum(&Shift::<true>::new(fluid, shifting, share, &points.carriers), &mut self.shifts);
         } else {
-            points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, &points.carriers), &mut self.shifts);
+            points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, share, &points.carriers), &mut self.shifts);
         }
         Ok(())
     }
