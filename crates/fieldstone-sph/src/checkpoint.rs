@@ -5,13 +5,14 @@ use fieldstone_io::AtomicFile;
 use crate::solver::Snapshot;
 use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
 
-const MAGIC: &[u8; 8] = b"FSTNSPH\x03";
+const NAME: &[u8; 7] = b"FSTNSPH";
+const VERSION: u8 = 4;
 
 /// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 3 |
+/// | 8 | `FSTNSPH`, version 4 |
 /// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
@@ -26,7 +27,8 @@ impl Solver {
     pub fn write_checkpoint(&self, path: &Path) -> Result<(), SphError> {
         let body = encoded(&self.snapshot());
         AtomicFile::write(path, |out| {
-            out.write_all(MAGIC)?;
+            out.write_all(NAME)?;
+            out.write_all(&[VERSION])?;
             out.write_all(&fingerprint(self.flow()).to_le_bytes())?;
             out.write_all(&crc32fast::hash(&body).to_le_bytes())?;
             out.write_all(&body)
@@ -45,8 +47,15 @@ impl Solver {
         let Some((head, body)) = bytes.split_at_checked(16) else {
             return Err(fault("this is no checkpoint: it ends within the head; remove it and start anew"));
         };
-        if &head[..8] != MAGIC {
-            return Err(fault("this is no checkpoint of this version; remove it and start anew"));
+        if &head[..7] != NAME {
+            return Err(fault("this is no checkpoint: it does not begin with FSTNSPH; remove it and start anew"));
+        }
+        if head[7] != VERSION {
+            return Err(fault(&format!(
+                "the checkpoint has format {}, this program reads {VERSION} only: go on with the program that wrote it, or \
+                 remove it and start anew",
+                head[7]
+            )));
         }
         let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
         if word(12) != crc32fast::hash(body) {
@@ -71,7 +80,7 @@ fn fingerprint(flow: &Flow) -> u32 {
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut out = Vec::new();
-    let Snapshot { state, regions, built_at, listed_at, time, steps, last_step, lists_due, order_due, budget } =
+    let Snapshot { state, regions, built_at, listed_at, time, steps, last_step, fastest, lists_due, order_due, budget } =
         snapshot;
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
@@ -98,6 +107,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         *time,
         *listed_at,
         *last_step,
+        *fastest,
         start,
         viscous,
         diffusive,
@@ -133,14 +143,14 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (8u128 + 11 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (8u128 + 12 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
     let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
     let mut budget = Budget { removed: word()?, reflections: word()?, singular: word()?, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
-    let (time, listed_at, last_step) = (number()?, number()?, number()?);
+    let (time, listed_at, last_step, fastest) = (number()?, number()?, number()?, number()?);
     budget.start = number()?;
     budget.viscous = number()?;
     budget.diffusive = number()?;
@@ -159,5 +169,5 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
     let state = State { x, u, density, id };
     let regions = regions.to_vec();
-    Some(Snapshot { state, regions, built_at, listed_at, time, steps, last_step, lists_due, order_due, budget })
+    Some(Snapshot { state, regions, built_at, listed_at, time, steps, last_step, fastest, lists_due, order_due, budget })
 }

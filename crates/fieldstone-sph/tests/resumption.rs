@@ -86,6 +86,12 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     other.fluid.delta = 0.2;
     let message = Solver::read_checkpoint(&path, other).unwrap_err().to_string();
     assert!(message.contains("belongs to another flow"), "{message}");
+    // What was written before keeps its name, with another version.
+    let mut old = good.clone();
+    old[7] = 3;
+    std::fs::write(&path, &old).unwrap();
+    let message = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap_err().to_string();
+    assert!(message.contains("the checkpoint has format 3, this program reads 4 only: go on with"), "{message}");
     for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
         bad[at] ^= 4;
@@ -162,4 +168,21 @@ fn cadences_beyond_all_measure_are_no_reason_to_stop() {
     run(&case, &folder, false, &AtomicBool::new(false), |_| steps += 1).unwrap();
     // One at the start, one after each step.
     assert_eq!(read_pvd(&folder.series()).unwrap().len(), steps + 1);
+}
+
+#[test]
+fn the_largest_speed_is_that_since_time_0_after_a_stop_too() {
+    let space = tempfile::tempdir().unwrap();
+    let path = space.path().join("checkpoint.bin");
+    let case = small(0.02, 0.1);
+    let mut state = case.state().unwrap();
+    // One particle is fast at the start only: friction brakes it.
+    state.u[190] = [4.0, 0.0, 0.0];
+    let mut solver = Solver::new(case.flow().unwrap(), state).unwrap();
+    solver.step().unwrap();
+    solver.write_checkpoint(&path).unwrap();
+    assert_eq!(solver.fastest(), 4.0);
+    let mut resumed = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap();
+    resumed.step().unwrap();
+    assert_eq!(resumed.fastest(), 4.0);
 }

@@ -161,6 +161,7 @@ pub(crate) struct Snapshot {
     pub(crate) time: f64,
     pub(crate) steps: u64,
     pub(crate) last_step: f64,
+    pub(crate) fastest: f64,
     pub(crate) lists_due: bool,
     pub(crate) order_due: u64,
     pub(crate) budget: Budget,
@@ -226,6 +227,7 @@ impl Solver {
         solver.time = snapshot.time;
         solver.steps = snapshot.steps;
         solver.last_step = snapshot.last_step;
+        solver.fastest = snapshot.fastest;
         solver.lists_due = snapshot.lists_due;
         solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
@@ -245,6 +247,7 @@ impl Solver {
             time: self.time,
             steps: self.steps,
             last_step: self.last_step,
+            fastest: self.fastest,
             lists_due: self.lists_due,
             order_due: self.order_due,
             budget: self.budget,
@@ -421,7 +424,7 @@ impl Solver {
         boundary_forces(&self.stage.points, fluid, boundaries.bodies.len(), tensile)
     }
 
-    /// Largest speed of a particle at the start of any step that this solver has made.
+    /// Largest speed of a particle at the start of any step since time 0.
     pub fn fastest(&self) -> f64 {
         self.fastest
     }

@@ -194,18 +194,18 @@ impl Run {
         }
         let interrupt = stop_on_ctrl_c()?;
         let bar = progress()?;
-        let mut last: Option<(Phases, usize, u64, f64)> = None;
+        let mut last = None;
         let start = Instant::now();
         let mut first_time = None;
         let outcome = run(&case, &files, self.resume, &interrupt, |solver| {
             let first = *first_time.get_or_insert(solver.time());
             show(&bar, solver, case.sections.time.end, first, start);
-            last = Some((*solver.phases(), solver.state().len(), solver.budget().removed, solver.fastest()));
+            last = Some((*solver.phases(), solver.state().len(), *solver.budget(), solver.fastest(), solver.steps()));
         })?;
         bar.finish_and_clear();
-        if let Some((phases, particles, removed, fastest)) = last {
-            let mut text = format!("particles            {particles}\nremoved              {removed}\n");
-            text.push_str(&format!("steps                {}\n", phases.steps));
+        if let Some((phases, particles, budget, fastest, steps)) = last {
+            let mut text = format!("particles            {particles}\nremoved              {}\n", budget.removed);
+            text.push_str(&format!("steps                {steps}\n"));
             if self.verbose {
                 text.push_str(&phase_table(&phases, particles));
             }
