@@ -3,7 +3,7 @@ use std::path::Path;
 use fieldstone_io::AtomicFile;
 
 use crate::solver::Snapshot;
-use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
+use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State, TimeStepOptions};
 
 const NAME: &[u8; 7] = b"FSTNSPH";
 const VERSION: u8 = 4;
@@ -13,7 +13,7 @@ const VERSION: u8 = 4;
 /// | bytes | what |
 /// |---|---|
 /// | 8 | `FSTNSPH`, version 4 |
-/// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of end time and output |
+/// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
 ///
@@ -63,8 +63,8 @@ impl Solver {
         }
         if word(8) != fingerprint(&flow) {
             return Err(fault(
-                "the checkpoint belongs to another flow: fluid, boundaries or options differ; only the end time and \
-                 the output may change",
+                "the checkpoint belongs to another flow: fluid, boundaries or options differ; only [time], k_cfl \
+                 and the output may change",
             ));
         }
         flow.validate()?;
@@ -74,8 +74,15 @@ impl Solver {
 }
 
 /// A checksum of what must not change on a restart.
+///
+/// The time step may: a run that breaks is told to lessen it. So may k_CFL, which goes with it, as the shift is one per step.
 fn fingerprint(flow: &Flow) -> u32 {
-    crc32fast::hash(format!("{flow:?}").as_bytes())
+    let mut kept = flow.clone();
+    kept.time_step = TimeStepOptions::default();
+    if let Some(shifting) = &mut kept.shifting {
+        shifting.k_cfl = 0.0;
+    }
+    crc32fast::hash(format!("{kept:?}").as_bytes())
 }
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {

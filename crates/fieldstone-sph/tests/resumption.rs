@@ -186,3 +186,22 @@ fn the_largest_speed_is_that_since_time_0_after_a_stop_too() {
     resumed.step().unwrap();
     assert_eq!(resumed.fastest(), 4.0);
 }
+
+#[test]
+fn a_run_goes_on_with_another_time_step() {
+    let space = tempfile::tempdir().unwrap();
+    let path = space.path().join("checkpoint.bin");
+    let case = small(0.02, 0.1);
+    assert!(case.sections.shifting.is_some());
+    let mut solver = case.solver().unwrap();
+    let dt = solver.step().unwrap();
+    solver.write_checkpoint(&path).unwrap();
+    let mut shorter = case.clone();
+    shorter.sections.time.cfl *= 0.5;
+    let mut resumed = Solver::read_checkpoint(&path, shorter.flow().unwrap()).unwrap();
+    assert!((resumed.step().unwrap() / dt - 0.5).abs() < 1e-9);
+    let mut denser = case.flow().unwrap();
+    denser.shifting.as_mut().unwrap().factor = 4.0;
+    let error = Solver::read_checkpoint(&path, denser).unwrap_err().to_string();
+    assert!(error.contains("only [time], k_cfl and the output may change"), "{error}");
+}
