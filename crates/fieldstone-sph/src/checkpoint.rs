@@ -97,6 +97,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     word(*order_due);
     word(budget.removed);
     word(budget.reflections);
+    word(budget.in_bodies);
     word(budget.singular);
     let Budget {
         start,
@@ -150,12 +151,13 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (8u128 + 12 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (9u128 + 12 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
     let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
-    let mut budget = Budget { removed: word()?, reflections: word()?, singular: word()?, ..Budget::default() };
+    let (removed, reflections, in_bodies, singular) = (word()?, word()?, word()?, word()?);
+    let mut budget = Budget { removed, reflections, in_bodies, singular, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
     let (time, listed_at, last_step, fastest) = (number()?, number()?, number()?, number()?);
     budget.start = number()?;

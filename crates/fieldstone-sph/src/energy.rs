@@ -28,6 +28,8 @@ pub struct Budget {
     /// Times that a particle had passed a wall and was put back with its normal velocity reversed: by symmetry, it
     /// changed places with its image.
     pub reflections: u64,
+    /// Times that a particle ended a step inside a body, which nothing but pressure keeps it out of.
+    pub in_bodies: u64,
     /// Times that a gradient was set to 0 for want of L.
     pub singular: u64,
     /// The momentum.

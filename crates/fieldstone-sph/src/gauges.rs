@@ -8,7 +8,7 @@ use crate::{Boundaries, GaugeKind, GaugeSection, Solver, SphError};
 /// | `kinetic`, `potential`, `compression` | energies |
 /// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `removed_energy` | the [`Budget`](crate::Budget) |
 /// | `residual` | what the budget does not explain |
-/// | `removed_mass`, `reflections`, `singular` | |
+/// | `removed_mass`, `reflections`, `in_bodies`, `singular` | as in the budget, since the start |
 /// | `momentum_x`, … | momentum |
 /// | `impulse_walls_x`, …, `impulse_bodies_x`, … | impulses on the fluid since the start |
 /// | `momentum_residual_x`, … | what the [`MomentumBudget`](crate::MomentumBudget) does not explain |
@@ -31,6 +31,7 @@ pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
         "residual",
         "removed_mass",
         "reflections",
+        "in_bodies",
         "singular",
         "momentum_x",
         "momentum_y",
@@ -77,6 +78,7 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         solver.energy_residual(),
         budget.removed_mass,
         budget.reflections as f64,
+        budget.in_bodies as f64,
         budget.singular as f64,
     ];
     for vector in [energies.momentum, budget.momentum.walls, budget.momentum.bodies, solver.momentum_residual()] {

@@ -110,6 +110,19 @@ fn bodies_that_overlap_are_one_solid() {
 }
 
 #[test]
+fn particles_inside_bodies_are_counted() {
+    let mut rest = beside(&[([0.48, -0.12], [0.8, 0.4], None)]).unwrap();
+    rest.step().unwrap();
+    assert_eq!(rest.budget().in_bodies, 0);
+    // A body over the water's last three columns of 15 particles.
+    let mut inside = beside(&[([0.42, -0.12], [0.8, 0.4], None)]).unwrap();
+    for _ in 0..2 {
+        inside.step().unwrap();
+    }
+    assert_eq!(inside.budget().in_bodies, 2 * 45);
+}
+
+#[test]
 fn bodies_that_overlap_and_do_not_move_alike_are_refused() {
     let motion = |x: f64| Some(Motion::new(&[(0.0, [0.0; 3]), (1.0, [x, 0.0, 0.0])]).unwrap());
     let (low, high) = ([0.6, -0.12], [0.8, 0.4]);

@@ -1,4 +1,4 @@
-//! Particles that have passed a wall, left through an opening, or are lost.
+//! Particles that have passed a wall, are inside a body, left through an opening, or are lost.
 
 use rayon::prelude::*;
 
@@ -32,6 +32,20 @@ impl Solver {
                 self.budget.reflections += 1;
             }
         }
+    }
+
+    /// Counts the particles inside bodies where these are now: nothing puts them back.
+    pub(super) fn count_in_bodies(&mut self) {
+        let Boundaries { bodies, .. } = &self.flow.boundaries;
+        if bodies.is_empty() {
+            return;
+        }
+        let dimension = self.flow.fluid.dimension;
+        let x = &self.state.x;
+        // Whoever has no ghost in reach is in no body.
+        let beside = self.stage.points.beside.par_iter().map(|&i| x[i as usize]);
+        let inside = |x: &[f64; 3]| bodies.iter().any(|body| body.contains(*x, self.time, dimension));
+        self.budget.in_bodies += beside.filter(inside).count() as u64;
     }
 
     pub(super) fn check_particles(&self) -> Result<(), SphError> {

@@ -472,6 +472,7 @@ impl Solver {
         self.stage.place_bodies(self.time, &self.flow);
         self.reflect_at_walls();
         self.check_particles()?;
+        self.count_in_bodies();
         let removed = self.remove_beyond_openings();
         self.stage.phases.add(Phase::Rest, &mut clock);
         if self.detector.is_some() {

@@ -218,6 +218,14 @@ impl Run {
                      ten times their speed is asked for (Eq. 3): raise expected_speed or sound_speed"
                 ));
             }
+            if budget.in_bodies > 0 {
+                report::warn(&format!(
+                    "{} times a particle ended a step inside a body (in_bodies in {}): the flow there is wrong; raise sound_speed, \
+                     lessen the spacing, or give fluid and bodies surfaces that fit",
+                    budget.in_bodies,
+                    files.gauges().display()
+                ));
+            }
         }
         match outcome {
             Outcome::Finished => report::print(&format!("written to           {}\n", folder.display())),
