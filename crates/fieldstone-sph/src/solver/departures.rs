@@ -102,6 +102,8 @@ impl Solver {
         self.state.reorder(&kept);
         self.regions = crate::state::picked(&self.regions, &kept);
         self.free = crate::state::picked(&self.free, &kept);
+        // Those of before: should the step fail yet, no particle shows another's.
+        self.shifts.clear();
         self.stage.built_at.clear();
         self.forget_witnesses();
         self.order_due = self.steps;

@@ -508,6 +508,9 @@ impl Solver {
             self.state.reorder(&order);
             self.regions = crate::state::picked(&self.regions, &order);
             self.free = crate::state::picked(&self.free, &order);
+            if self.shifts.len() == order.len() {
+                self.shifts = crate::state::picked(&self.shifts, &order);
+            }
             self.forget_witnesses();
             self.order_due = self.steps + ORDER_LASTS;
         }
@@ -596,5 +599,42 @@ impl Solver {
             points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, share, &points.carriers), &mut self.shifts);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Shape;
+
+    #[test]
+    fn shifts_follow_their_particles_into_another_order() {
+        let mut fluid = FluidOptions::new(2, 0.1, 1.0, 0.0);
+        fluid.gravity = [0.0; 3];
+        let (x, _) = Shape::Sphere { centre: [0.0; 3], radius: 1.0 }.lattice(0.1, 2);
+        let count = x.len();
+        let state = State {
+            u: x.iter().map(|x| [-x[0], x[1], 0.0]).collect(),
+            density: vec![1000.0; count],
+            id: (0..count as u32).collect(),
+            x,
+        };
+        let mut flow = Flow::new(fluid, Boundaries::new([-2.0; 3], [2.0; 3], 0.1));
+        flow.shifting = Some(ShiftingOptions::default());
+        let mut solver = Solver::new(flow, state).unwrap();
+        solver.step().unwrap();
+        let by_number = |solver: &Solver| {
+            let mut all: Vec<_> = solver.state.id.iter().copied().zip(solver.shifts()).collect();
+            all.sort_by_key(|(id, _)| *id);
+            all
+        };
+        let before = by_number(&solver);
+        assert!(before.iter().any(|(_, shift)| *shift != [0.0; 3]));
+        solver.state.x.reverse();
+        solver.state.id.reverse();
+        solver.shifts.reverse();
+        solver.order_due = 0;
+        solver.list_anew().unwrap();
+        assert_eq!(by_number(&solver), before);
     }
 }
