@@ -132,7 +132,7 @@ pub enum SphError {
     },
     /// A particle has left the domain where there is no opening.
     #[error(
-        "step {step}, time {time:.6}: particle {id} has left the domain at {position:?} with velocity {velocity:?}; open that side, or find what pushes it out"
+        "step {step}, time {time:.6}: particle {id} has left the domain at {position:?} with velocity {velocity:?}; {remedy}"
     )]
     Lost {
         /// Number of the step.
@@ -145,6 +145,8 @@ pub enum SphError {
         position: [f64; 3],
         /// Its velocity.
         velocity: [f64; 3],
+        /// What to do, by the face that it has passed.
+        remedy: &'static str,
     },
     /// A case file, or a file that it names, does not say what it must.
     #[error("{file}:{line}: {message}")]

@@ -65,6 +65,17 @@ fn gauges_at_a_periodic_face_see_what_is_beyond_it() {
 }
 
 #[test]
+fn a_particle_that_passes_a_whole_period_is_not_told_to_open_the_side() {
+    let (mut flow, mut state) = dam_break(0.02, Slip::Free);
+    flow.boundaries.walls.retain(|w| w.plane.normal()[0] == 0.0);
+    flow.boundaries.periodic[0] = true;
+    state.x[7][0] = 3.0;
+    let error = Solver::new(flow, state).unwrap_err().to_string();
+    assert!(error.contains("passes a whole period between two lists: lessen the time step"), "{error}");
+    assert!(!error.contains("open that side"), "{error}");
+}
+
+#[test]
 fn a_plane_flow_stays_in_its_plane() {
     let (flow, mut state) = dam_break(0.02, Slip::Free);
     state.x[7][2] = 0.01;

@@ -67,12 +67,18 @@ impl Solver {
             if let Some(what) = what {
                 return Some(SphError::Broken { step, time, id, position, what });
             }
-            let lost = (0..dimension).any(|k| {
+            let passed = (0..dimension).find(|&k| {
                 // A periodic particle is wrapped when the lists are built next.
                 let margin = if periodic[k] { high[k] - low[k] } else { *padding };
                 position[k] < low[k] - margin && !open[k][0] || position[k] > high[k] + margin && !open[k][1]
             });
-            lost.then_some(SphError::Lost { step, time, id, position, velocity })
+            let remedy = if periodic[passed?] {
+                "no particle that is well passes a whole period between two lists: lessen the time step (cfl), or look at the flow \
+                 before that"
+            } else {
+                "open that side, or find what pushes it out"
+            };
+            Some(SphError::Lost { step, time, id, position, velocity, remedy })
         });
         bad.map_or(Ok(()), Err)
     }
