@@ -1,6 +1,6 @@
 use crate::{Boundaries, GaugeKind, GaugeSection, Solver, SphError};
 
-/// Names of the columns of a run's table: the flow as a whole, then the gauges.
+/// Names of the columns of a run's table: the flow as a whole, then the gauges; `free_surface` only where a run `detects` it.
 ///
 /// | column | meaning |
 /// |---|---|
@@ -12,7 +12,7 @@ use crate::{Boundaries, GaugeKind, GaugeSection, Solver, SphError};
 /// | `momentum_x`, … | momentum |
 /// | `impulse_walls_x`, …, `impulse_bodies_x`, … | impulses on the fluid since the start |
 /// | `momentum_residual_x`, … | what the [`MomentumBudget`](crate::MomentumBudget) does not explain |
-pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
+pub fn gauge_columns(gauges: &[GaugeSection], detects: bool) -> Vec<String> {
     let mut names: Vec<String> = [
         "time",
         "step",
@@ -39,6 +39,7 @@ pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
     ]
     .map(String::from)
     .to_vec();
+    names.retain(|name| detects || name != "free_surface");
     for what in ["impulse_walls", "impulse_bodies", "momentum_residual"] {
         names.extend(["x", "y", "z"].map(|axis| format!("{what}_{axis}")));
     }
@@ -59,13 +60,11 @@ pub fn gauge_columns(gauges: &[GaugeSection]) -> Vec<String> {
 pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64>, SphError> {
     let energies = solver.energies();
     let budget = *solver.budget();
-    let free = solver.regions().iter().filter(|&&r| r == 0).count();
-    let mut row = vec![
-        solver.time(),
-        solver.steps() as f64,
-        solver.last_step(),
-        solver.state().len() as f64,
-        free as f64,
+    let mut row = vec![solver.time(), solver.steps() as f64, solver.last_step(), solver.state().len() as f64];
+    if solver.detects() {
+        row.push(solver.regions().iter().filter(|&&r| r == 0).count() as f64);
+    }
+    row.extend([
         energies.kinetic,
         energies.potential,
         energies.compression,
@@ -80,7 +79,7 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         budget.reflections as f64,
         budget.in_bodies as f64,
         budget.singular as f64,
-    ];
+    ]);
     for vector in [energies.momentum, budget.momentum.walls, budget.momentum.bodies, solver.momentum_residual()] {
         row.extend(vector);
     }

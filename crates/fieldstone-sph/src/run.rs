@@ -26,7 +26,7 @@ pub enum Outcome {
 ///
 /// | file | what |
 /// |---|---|
-/// | `particles_00000.vtp`, … | all particles: velocity, density, pressure, region, shift |
+/// | `particles_00000.vtp`, … | all particles: velocity, density, pressure; region with detection, shift with shifting |
 /// | `particles.pvd` | the series with its times, for ParaView |
 /// | `gauges.csv` | [`gauge_columns`](crate::gauge_columns) |
 /// | `checkpoint.bin` | where to go on |
@@ -83,7 +83,7 @@ pub fn run(
     let end = case.sections.time.end;
     let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
     let mut series = Series::open(folder, resume.then(|| solver.time()))?;
-    let columns = gauge_columns(&case.sections.gauge);
+    let columns = gauge_columns(&case.sections.gauge, solver.detects());
     let mut gauges = Table::open(&folder.gauges(), &columns, resume.then(|| solver.time()))?;
     let mut frames = Schedule::new(output.every.unwrap_or(end / 50.0), &solver, resume);
     let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
@@ -143,8 +143,10 @@ pub fn particles_of(solver: &Solver) -> Result<Particles, SphError> {
         .with_ids(order.iter().map(|&i| i64::from(state.id[i])).collect())?
         .with_quantity(vector("velocity", &state.u))?
         .with_quantity(scalar("density", &|i| state.density[i]))?
-        .with_quantity(scalar("pressure", &|i| fluid.pressure(state.density[i])))?
-        .with_quantity(scalar("region", &|i| f64::from(solver.regions()[i])))?;
+        .with_quantity(scalar("pressure", &|i| fluid.pressure(state.density[i])))?;
+    if solver.detects() {
+        particles = particles.with_quantity(scalar("region", &|i| f64::from(solver.regions()[i])))?;
+    }
     let shifts: Vec<[f64; 3]> = solver.shifts().collect();
     if shifts.len() == state.len() {
         particles = particles.with_quantity(vector("shift", &shifts))?;

@@ -205,3 +205,22 @@ fn a_run_goes_on_with_another_time_step() {
     let error = Solver::read_checkpoint(&path, denser).unwrap_err().to_string();
     assert!(error.contains("only [time], k_cfl and the output may change"), "{error}");
 }
+
+#[test]
+fn without_detection_no_file_tells_of_a_free_surface() {
+    let text = small(0.02, 0.02).text().replace("[shifting]\ndetection = \"exact\"\n", "");
+    assert!(!text.contains("detection"));
+    let never = AtomicBool::new(false);
+    for (text, told) in [(small(0.02, 0.02).text().to_string(), true), (text, false)] {
+        let space = tempfile::tempdir().unwrap();
+        let folder = RunFolder::create(space.path()).unwrap();
+        let case = |end: &str| Case::parse(&text.replace("end = 0.02", end), "c.toml").unwrap();
+        run(&case("end = 0.02"), &folder, false, &never, |_| ()).unwrap();
+        run(&case("end = 0.03"), &folder, true, &never, |_| ()).unwrap();
+        let table = CsvTable::read(&folder.gauges()).unwrap();
+        assert_eq!(table.column("free_surface").is_ok(), told);
+        assert!(table.column("kinetic").unwrap().iter().all(|e| *e < 10.0));
+        let particles = read_vtk_particles(&space.path().join("particles_00001.vtp")).unwrap();
+        assert_eq!(particles.quantity("region").is_ok(), told);
+    }
+}

@@ -51,9 +51,9 @@ impl Case {
             gauge
                 .check(s.body.len(), &s.domain.low, &s.domain.high)
                 .map_err(|(key, message)| self.fault("gauge", nth, key, message))?;
-            let taken = gauge_columns(&s.gauge[..nth]);
-            let of_flow = gauge_columns(&[]).len();
-            let own = gauge_columns(std::slice::from_ref(gauge)).split_off(of_flow);
+            let taken = gauge_columns(&s.gauge[..nth], true);
+            let of_flow = gauge_columns(&[], true).len();
+            let own = gauge_columns(std::slice::from_ref(gauge), true).split_off(of_flow);
             if gauge.name.contains([',', '"', '\n']) || own.iter().any(|name| taken.contains(name)) {
                 let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
                 return Err(self.fault("gauge", nth, "name", message));

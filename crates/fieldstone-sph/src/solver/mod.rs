@@ -269,6 +269,11 @@ impl Solver {
         &self.regions
     }
 
+    /// Whether every step finds the free surface.
+    pub fn detects(&self) -> bool {
+        self.detector.is_some()
+    }
+
     /// Latest shift of each particle; empty without shifting or before the first step.
     pub fn shifts(&self) -> impl Iterator<Item = [f64; 3]> {
         self.shifts.iter().map(|s| s.0)
