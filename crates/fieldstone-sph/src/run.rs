@@ -43,6 +43,19 @@ impl RunFolder {
         Ok(Self(folder.into()))
     }
 
+    /// The folder of a run that has left a checkpoint; nothing is made.
+    ///
+    /// # Errors
+    /// [`SphError::Checkpoint`] where there is none.
+    pub fn begun(folder: &Path) -> Result<Self, SphError> {
+        let begun = Self(folder.into());
+        std::fs::metadata(begun.checkpoint()).map_err(|e| SphError::Checkpoint {
+            file: begun.checkpoint().display().to_string(),
+            message: format!("cannot be read: {e}; run without --resume first, or give the run's folder with --out"),
+        })?;
+        Ok(begun)
+    }
+
     /// The checkpoint.
     pub fn checkpoint(&self) -> PathBuf {
         self.0.join("checkpoint.bin")

@@ -41,6 +41,9 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
         assert!(folder.path("column-1-2").join(name).exists(), "{name}");
     }
     assert!(folder.fails(&format!("sph run {file}")).contains("go on from it with --resume"));
+    // Nothing to go on from, and nothing left behind.
+    let none = folder.fails(&format!("sph run {file} --resume --out elsewhere"));
+    assert!(none.contains("run without --resume first") && !folder.path("elsewhere").exists(), "{none}");
     folder.write(&file, short.replace("end = 0.04", "end = 0.06"));
     folder.copy(&folder.path("column-1-2"), "copy");
     folder.succeeds(&format!("sph run {file} --resume"));

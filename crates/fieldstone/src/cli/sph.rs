@@ -183,8 +183,9 @@ impl Run {
         let case = Case::read(&self.case)?;
         // What cannot start leaves no folder behind.
         case.state()?;
+        let again = self.resume_command();
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
-        let files = RunFolder::create(&folder)?;
+        let files = if self.resume { RunFolder::begun(&folder)? } else { RunFolder::create(&folder)? };
         if !self.resume && files.checkpoint().exists() {
             bail!(
                 "{}: there is a checkpoint of an earlier run; go on from it with --resume, or give another folder with \
@@ -230,11 +231,21 @@ impl Run {
         match outcome {
             Outcome::Finished => report::print(&format!("written to           {}\n", folder.display())),
             Outcome::Interrupted => bail!(
-                "stopped; {} is written: go on with fieldstone sph run {} --resume",
-                files.checkpoint().display(),
-                self.case.display()
+                "stopped; {} is written: go on with {again}",
+                files.checkpoint().display()
             ),
         }
+    }
+}
+
+impl Run {
+    /// The command that goes on from where this one stops.
+    fn resume_command(&self) -> String {
+        let mut command = format!("fieldstone sph run {} --resume", self.case.display());
+        if let Some(out) = &self.out {
+            command.push_str(&format!(" --out {}", out.display()));
+        }
+        command
     }
 }
 
@@ -284,4 +295,21 @@ fn phase_table(phases: &Phases, particles: usize) -> String {
     }
     text.push_str(&format!("{:<14} {total:>9.2}   lists built {} times\n", "total", phases.lists_built));
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_that_goes_on_names_the_folder() {
+        let run = |out: Option<&str>| Run {
+            case: "dam.toml".into(),
+            out: out.map(PathBuf::from),
+            resume: false,
+            verbose: false,
+        };
+        assert_eq!(run(None).resume_command(), "fieldstone sph run dam.toml --resume");
+        assert_eq!(run(Some("there")).resume_command(), "fieldstone sph run dam.toml --resume --out there");
+    }
 }
