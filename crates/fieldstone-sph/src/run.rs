@@ -14,10 +14,12 @@ use crate::gauges::{gauge_columns, gauge_row};
 use crate::{Case, Solver, SphError};
 
 /// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     /// The end time is reached.
     Finished,
+    /// The checkpoint's time, this one, is the end or beyond it: nothing was computed or written.
+    Beyond(f64),
     /// It was asked to stop, and a checkpoint is written.
     Interrupted,
 }
@@ -95,6 +97,9 @@ pub fn run(
     let output = &case.sections.output;
     let end = case.sections.time.end;
     let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
+    if resume && solver.time() >= end {
+        return Ok(Outcome::Beyond(solver.time()));
+    }
     let mut series = Series::open(folder, resume.then(|| solver.time()))?;
     let columns = gauge_columns(&case.sections.gauge, solver.detects());
     let mut gauges = Table::open(&folder.gauges(), &columns, resume.then(|| solver.time()))?;

@@ -51,6 +51,10 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
     let checkpoint = |name: &str| std::fs::read(folder.path(name).join("checkpoint.bin")).unwrap();
     assert!(checkpoint("column-1-2") == checkpoint("copy"));
     let table = std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap();
+    // Its end is passed; not a file changes.
+    let again = folder.succeeds(&format!("sph run {file} --resume")).stdout;
+    assert!(again.contains("already at t = 0.06") && again.contains("beyond the end 0.06: nothing was computed"), "{again}");
+    assert_eq!(std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap(), table);
     let last: f64 = table.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert!(last > 0.055, "{last}");
 }

@@ -230,6 +230,10 @@ impl Run {
         }
         match outcome {
             Outcome::Finished => report::print(&format!("written to           {}\n", folder.display())),
+            Outcome::Beyond(time) => report::print(&format!(
+                "already at t = {time}, beyond the end {}: nothing was computed\n",
+                case.sections.time.end
+            )),
             Outcome::Interrupted => bail!(
                 "stopped; {} is written: go on with {again}",
                 files.checkpoint().display()

@@ -133,7 +133,7 @@ impl Flows {
         bar.finish_and_clear();
         match (failure, outcome) {
             (Some(error), _) => Err(error),
-            (None, Outcome::Finished) => Ok(()),
+            (None, Outcome::Finished | Outcome::Beyond(_)) => Ok(()),
             (None, Outcome::Interrupted) => {
                 bail!("stopped; {} has a checkpoint: the same command goes on from it", flow.folder.display())
             }
