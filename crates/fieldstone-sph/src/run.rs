@@ -32,6 +32,7 @@ pub enum Outcome {
 /// | `particles.pvd` | the series with its times, for ParaView |
 /// | `gauges.csv` | [`gauge_columns`](crate::gauge_columns) |
 /// | `checkpoint.bin` | where to go on |
+/// | `failure.vtp` | the particles as a step failed; removed when the run starts again |
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunFolder(PathBuf);
 
@@ -63,6 +64,29 @@ impl RunFolder {
         self.0.join("checkpoint.bin")
     }
 
+    /// The particles at a failure.
+    pub fn failure(&self) -> PathBuf {
+        self.0.join("failure.vtp")
+    }
+
+    /// The files of the series that are there, sorted: whatever run they are of.
+    ///
+    /// # Errors
+    /// [`SphError::Io`] where the folder cannot be read.
+    pub fn frames(&self) -> Result<Vec<PathBuf>, SphError> {
+        let fault = |source| SphError::from(IoError::System { path: self.0.clone(), action: "read", source });
+        let mut frames = Vec::new();
+        for entry in std::fs::read_dir(&self.0).map_err(fault)? {
+            let path = entry.map_err(fault)?.path();
+            let number = path.file_name().and_then(|name| name.to_str()?.strip_prefix("particles_")?.strip_suffix(".vtp"));
+            if number.is_some_and(|n| n.parse::<usize>().is_ok()) {
+                frames.push(path);
+            }
+        }
+        frames.sort();
+        Ok(frames)
+    }
+
     /// The series.
     pub fn series(&self) -> PathBuf {
         self.0.join("particles.pvd")
@@ -86,7 +110,7 @@ fn system(path: &Path, source: std::io::Error) -> SphError {
 ///
 /// # Errors
 /// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
-/// `failure.vtp` where they are finite. [`SphError::Io`], [`SphError::Checkpoint`].
+/// `failure.vtp` where they are finite; that of an earlier attempt is removed at the start. [`SphError::Io`], [`SphError::Checkpoint`].
 pub fn run(
     case: &Case,
     folder: &RunFolder,
@@ -99,6 +123,10 @@ pub fn run(
     let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
     if resume && solver.time() >= end {
         return Ok(Outcome::Beyond(solver.time()));
+    }
+    // Of an attempt that this one replaces.
+    if folder.failure().exists() {
+        std::fs::remove_file(folder.failure()).map_err(|e| system(&folder.failure(), e))?;
     }
     let mut series = Series::open(folder, resume.then(|| solver.time()))?;
     let columns = gauge_columns(&case.sections.gauge, solver.detects());
@@ -131,7 +159,7 @@ pub fn run(
             gauges.flush()?;
             // The culprit may have no position that a file could hold; the error names it all the same.
             if let Ok(particles) = particles_of(&solver) {
-                write_vtp_particles(&folder.0.join("failure.vtp"), &particles, VtkEncoding::default())?;
+                write_vtp_particles(&folder.failure(), &particles, VtkEncoding::default())?;
             }
             return Err(error);
         }

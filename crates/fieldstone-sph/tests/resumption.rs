@@ -119,6 +119,9 @@ fn a_run_that_breaks_names_the_particle_and_keeps_the_last_good_checkpoint() {
     assert!(error.to_string().contains("has left the domain at"), "{error}");
     assert!(final_checkpoint(&folder) == good);
     assert!(space.path().join("failure.vtp").exists());
+    // The next start removes it.
+    run(&small(0.02, 0.03), &folder, true, &never, |_| ()).unwrap();
+    assert!(!space.path().join("failure.vtp").exists());
 }
 
 #[test]

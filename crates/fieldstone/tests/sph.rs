@@ -41,6 +41,10 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
         assert!(folder.path("column-1-2").join(name).exists(), "{name}");
     }
     assert!(folder.fails(&format!("sph run {file}")).contains("go on from it with --resume"));
+    // Frames without a checkpoint are not mixed with others.
+    folder.copy(&folder.path("column-1-2/particles_00001.vtp"), "left/particles_00001.vtp");
+    let left = folder.fails(&format!("sph run {file} --out left"));
+    assert!(left.contains("particles_00001.vtp: there are particles of an earlier run") && left.contains("--out"), "{left}");
     // Nothing to go on from, and nothing left behind.
     let none = folder.fails(&format!("sph run {file} --resume --out elsewhere"));
     assert!(none.contains("run without --resume first") && !folder.path("elsewhere").exists(), "{none}");

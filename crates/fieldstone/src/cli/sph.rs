@@ -193,6 +193,13 @@ impl Run {
                 files.checkpoint().display()
             );
         }
+        if let Some(frame) = files.frames()?.first().filter(|_| !self.resume) {
+            bail!(
+                "{}: there are particles of an earlier run without a checkpoint; remove particles_*.vtp, or give another folder \
+                 with --out",
+                frame.display()
+            );
+        }
         let interrupt = stop_on_ctrl_c()?;
         let bar = progress()?;
         let mut last = None;
