@@ -178,5 +178,17 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
     let state = State { x, u, density, id };
     let regions = regions.to_vec();
-    Some(Snapshot { state, regions, built_at, listed_at, time, steps, last_step, fastest, lists_due, order_due, budget })
+    Some(Snapshot {
+        state,
+        regions,
+        built_at,
+        listed_at,
+        time,
+        steps,
+        last_step,
+        fastest,
+        lists_due,
+        order_due,
+        budget,
+    })
 }

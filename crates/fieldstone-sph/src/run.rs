@@ -78,7 +78,8 @@ impl RunFolder {
         let mut frames = Vec::new();
         for entry in std::fs::read_dir(&self.0).map_err(fault)? {
             let path = entry.map_err(fault)?.path();
-            let number = path.file_name().and_then(|name| name.to_str()?.strip_prefix("particles_")?.strip_suffix(".vtp"));
+            let number =
+                path.file_name().and_then(|name| name.to_str()?.strip_prefix("particles_")?.strip_suffix(".vtp"));
             if number.is_some_and(|n| n.parse::<usize>().is_ok()) {
                 frames.push(path);
             }

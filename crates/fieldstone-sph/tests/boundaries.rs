@@ -4,9 +4,7 @@
 mod common;
 
 use common::{dam_break, run, state, tank};
-use fieldstone_sph::{
-    Body, Flow, FluidOptions, Motion, Shape, Slip, Solver, SphError, level_over, pressure_at,
-};
+use fieldstone_sph::{Body, Flow, FluidOptions, Motion, Shape, Slip, Solver, SphError, level_over, pressure_at};
 use fieldstone_surface::{Method, ScanningCone};
 
 #[test]
@@ -139,7 +137,10 @@ fn bodies_that_overlap_and_do_not_move_alike_are_refused() {
     let (low, high) = ([0.6, -0.12], [0.8, 0.4]);
     let error = beside(&[(low, high, None), (low, high, motion(0.1))]).unwrap_err();
     assert!(matches!(error, SphError::Overlapping { first: 0, second: 1, .. }), "{error}");
-    assert!(error.to_string().contains("only bodies at rest, or with the same motion, may overlap: move one"), "{error}");
+    assert!(
+        error.to_string().contains("only bodies at rest, or with the same motion, may overlap: move one"),
+        "{error}"
+    );
     assert!(beside(&[(low, high, motion(0.2)), (low, high, motion(0.1))]).is_err());
     // Side by side, or with the same motion, they may be.
     assert!(beside(&[(low, high, motion(0.1)), ([0.5, 0.32], high, motion(0.1))]).is_ok());

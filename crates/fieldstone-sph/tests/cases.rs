@@ -232,12 +232,9 @@ fn pressures(text: &str) -> Vec<([f64; 3], f64)> {
 #[test]
 fn hydrostatic_pressure_grows_along_gravity_whatever_its_direction() {
     let block = fill([0.0, 0.0], [1.0, 0.5], "pressure = \"hydrostatic\"");
-    for (gravity, top) in [
-        ([0.0, -9.81], [0.0, 0.5]),
-        ([0.0, 9.81], [0.0, 0.0]),
-        ([9.81, 0.0], [0.0, 0.0]),
-        ([-6.0, -8.0], [1.0, 0.5]),
-    ] {
+    for (gravity, top) in
+        [([0.0, -9.81], [0.0, 0.5]), ([0.0, 9.81], [0.0, 0.0]), ([9.81, 0.0], [0.0, 0.0]), ([-6.0, -8.0], [1.0, 0.5])]
+    {
         for (x, p) in pressures(&still(&format!("{gravity:?}"), &block)) {
             let expected = 1000.0 * (gravity[0] * (x[0] - top[0]) + gravity[1] * (x[1] - top[1]));
             assert!((p - expected).abs() < 1e-6 && p > 0.0, "{gravity:?} {x:?}: {p} {expected}");

@@ -44,7 +44,10 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
     // Frames without a checkpoint are not mixed with others.
     folder.copy(&folder.path("column-1-2/particles_00001.vtp"), "left/particles_00001.vtp");
     let left = folder.fails(&format!("sph run {file} --out left"));
-    assert!(left.contains("particles_00001.vtp: there are particles of an earlier run") && left.contains("--out"), "{left}");
+    assert!(
+        left.contains("particles_00001.vtp: there are particles of an earlier run") && left.contains("--out"),
+        "{left}"
+    );
     // Nothing to go on from, and nothing left behind.
     let none = folder.fails(&format!("sph run {file} --resume --out elsewhere"));
     assert!(none.contains("run without --resume first") && !folder.path("elsewhere").exists(), "{none}");
@@ -57,7 +60,10 @@ fn a_case_runs_to_its_end_and_is_not_overwritten_but_resumed() {
     let table = std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap();
     // Its end is passed; not a file changes.
     let again = folder.succeeds(&format!("sph run {file} --resume")).stdout;
-    assert!(again.contains("already at t = 0.06") && again.contains("beyond the end 0.06: nothing was computed"), "{again}");
+    assert!(
+        again.contains("already at t = 0.06") && again.contains("beyond the end 0.06: nothing was computed"),
+        "{again}"
+    );
     assert_eq!(std::fs::read_to_string(folder.path("column-1-2/gauges.csv")).unwrap(), table);
     let last: f64 = table.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert!(last > 0.055, "{last}");

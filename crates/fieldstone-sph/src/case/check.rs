@@ -1,7 +1,7 @@
 //! Whether the sections of a case make sense, before anything is made of them.
 
-use super::keys::{positive, vector};
 use super::flows::top_level;
+use super::keys::{positive, vector};
 use super::{Case, FlowName, WallKind};
 use crate::{Flow, FluidOptions, SphError, State, gauge_columns, sound_speed_bound};
 

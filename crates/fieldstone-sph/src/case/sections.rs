@@ -347,7 +347,10 @@ impl FillSection {
         }
         if let Some(surface) = self.surface {
             if self.pressure != Pressure::Named(PressureName::Hydrostatic) {
-                return Err(("surface", "surface goes with pressure = \"hydrostatic\" only; remove one of them".into()));
+                return Err((
+                    "surface",
+                    "surface goes with pressure = \"hydrostatic\" only; remove one of them".into(),
+                ));
             }
             finite("fill", "surface", Some(surface))?;
         }

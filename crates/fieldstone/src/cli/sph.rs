@@ -241,10 +241,7 @@ impl Run {
                 "already at t = {time}, beyond the end {}: nothing was computed\n",
                 case.sections.time.end
             )),
-            Outcome::Interrupted => bail!(
-                "stopped; {} is written: go on with {again}",
-                files.checkpoint().display()
-            ),
+            Outcome::Interrupted => bail!("stopped; {} is written: go on with {again}", files.checkpoint().display()),
         }
     }
 }
