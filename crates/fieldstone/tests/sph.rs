@@ -100,25 +100,6 @@ fn particles_too_fast_for_the_speed_of_sound_are_told() {
 }
 
 #[test]
-fn particles_inside_bodies_are_told() {
-    let folder = Folder::new();
-    // A body that goes through water faster than this can make way, with a low speed of sound.
-    let text = |motion: &str| {
-        format!(
-            "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [3, 1]\nopen = [\"y+\"]\n[fluid]\ndensity = 1000\n\
-             expected_speed = 1\ngravity = [0, 0]\n[time]\nend = 0.05\n[[wall]]\nkind = \"tank\"\n[[fill]]\nshape = \"box\"\n\
-             low = [1, 0]\nhigh = [2, 0.5]\n[[body]]\nshape = \"box\"\nlow = [0.5, -0.2]\nhigh = [1, 0.8]\nmotion = {motion}\n"
-        )
-    };
-    folder.write("fast.toml", text("[[0, 0, 0], [0.05, 0.1, 0]]"));
-    folder.write("rest.toml", text("[[0, 0, 0], [0.05, 0, 0]]"));
-    let fast = folder.succeeds("sph run fast.toml").stderr;
-    assert!(fast.contains("times a particle ended a step inside a body (in_bodies in fast/gauges.csv)"), "{fast}");
-    let rest = folder.succeeds("sph run rest.toml").stderr;
-    assert!(!rest.contains("inside a body"), "{rest}");
-}
-
-#[test]
 fn check_tells_by_how_much_fills_are_too_heavy() {
     let folder = Folder::new();
     let file = case(&folder, "hydrostatic", "0.05");
