@@ -39,8 +39,8 @@ fn water_at_rest_stays_at_rest_with_its_hydrostatic_pressure() {
 #[test]
 fn water_at_rest_stays_at_rest_with_shifting() {
     let (error, kinetic) = at_rest(Some(ShiftingOptions::default()));
-    assert!(error < 0.02, "{error}");
-    assert!(kinetic < 1e-6, "{kinetic}");
+    assert!(error < 0.01, "{error}");
+    assert!(kinetic < 1e-7, "{kinetic}");
 }
 
 /// Largest speed over its decay, after a time, of Taylor and Green's vortices at Re 100.
@@ -183,7 +183,8 @@ fn shifting_per_time_does_not_hang_on_what_bounds_the_step() {
         solver.budget().shifting
     });
     println!("work of shifting {work:?}");
-    assert!((work[1] / work[0] - 1.0).abs() < 0.2, "{work:?}");
+    // The steps differ, so the flows do; a shift that does not follow the step does four times the work.
+    assert!((work[1] / work[0] - 1.0).abs() < 0.4, "{work:?}");
 }
 
 #[test]
