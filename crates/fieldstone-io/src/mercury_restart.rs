@@ -1,11 +1,11 @@
 //! MercuryDPM's `.restart` files: what `.data` and `.fstat` leave out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fieldstone_particles::{Domain, Particles, ParticlesError, Quantity};
 
-use crate::IoError;
 use crate::lines::{LineReader, integer, number, shown, text, words};
+use crate::{IoError, Position};
 
 /// A species of a MercuryDPM simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub struct MercurySpecies {
     pub kind: String,
     /// Mass density of its particles.
     pub density: f64,
+    /// Line of the file, from 1.
+    pub line: u64,
 }
 
 /// A wall of a MercuryDPM simulation.
@@ -34,6 +36,8 @@ pub struct MercuryWall {
 /// What a `.restart` file states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MercuryRestart {
+    /// The file.
+    pub path: PathBuf,
     /// Time at which it was written.
     pub time: Option<f64>,
     /// Acceleration of gravity.
@@ -55,42 +59,58 @@ impl MercuryRestart {
     /// `mass` $= \tfrac{4}{3}\pi R^3 \rho$, and the box with its periodic directions.
     ///
     /// # Errors
-    /// [`ParticlesError::NoColumn`] where a particle's species is not among those of the restart file;
-    /// [`ParticlesError::NoRadius`].
-    pub fn complete(&self, particles: Particles) -> Result<Particles, ParticlesError> {
+    /// [`IoError::Content`] where a particle's species is not among those of the restart file, or its density is not above 0;
+    /// [`IoError::Particles`] where the particles have no radius.
+    pub fn complete(&self, particles: Particles) -> Result<Particles, IoError> {
+        let unfit = |source| IoError::Particles { path: self.path.clone(), source };
         let types = particles.types().map_or_else(|| vec![0; particles.len()], <[i64]>::to_vec);
         let densities = self.densities(&types)?;
         let volume = |r: f64| 4.0 / 3.0 * std::f64::consts::PI * (r * r * r);
-        let masses = particles.radii()?.iter().zip(&densities).map(|(&r, density)| density * volume(r)).collect();
+        let masses =
+            particles.radii().map_err(unfit)?.iter().zip(&densities).map(|(&r, density)| density * volume(r)).collect();
         let particles = particles
-            .with_quantity(Quantity { name: "density".into(), components: 1, data: densities })?
-            .with_quantity(Quantity { name: "mass".into(), components: 1, data: masses })?;
+            .with_quantity(Quantity { name: "density".into(), components: 1, data: densities })
+            .and_then(|all| all.with_quantity(Quantity { name: "mass".into(), components: 1, data: masses }))
+            .map_err(unfit)?;
         Ok(match self.domain {
             Some(domain) => particles.with_domain(domain),
             None => particles,
         })
     }
 
-    fn densities(&self, types: &[i64]) -> Result<Vec<f64>, ParticlesError> {
-        let density = |&kind: &i64| {
-            let species = self.species.iter().find(|species| species.id == kind);
-            species.map(|species| species.density).ok_or_else(|| ParticlesError::NoColumn {
-                name: format!("density of species {kind}"),
-                available: self.species.iter().map(|s| format!("species {}", s.id)).collect::<Vec<_>>().join(", "),
-            })
+    fn densities(&self, types: &[i64]) -> Result<Vec<f64>, IoError> {
+        let density = |(index, &kind): (usize, &i64)| {
+            let Some(species) = self.species.iter().find(|species| species.id == kind) else {
+                let known: Vec<String> = self.species.iter().map(|species| species.id.to_string()).collect();
+                let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+                let found =
+                    format!("particle {index} is of species {kind}, which the file does not have; it has {known}");
+                let remedy = "give the .restart file of the same run as the particles";
+                return Err(IoError::content(&self.path, Position::File, found, remedy));
+            };
+            if species.density > 0.0 {
+                return Ok(species.density);
+            }
+            let found = format!(
+                "species {kind}, of which particle {index} is, has density {}; densities must be above 0",
+                species.density
+            );
+            Err(IoError::content(&self.path, Position::Line(species.line), found, "correct the density in this line"))
         };
-        types.iter().map(density).collect()
+        types.iter().enumerate().map(density).collect()
     }
 }
 
 /// The words of a line: class first, then names that are followed by their numbers.
 struct Entry<'a> {
     words: Vec<&'a [u8]>,
+    /// Line of the file, from 1.
+    line: u64,
 }
 
 impl<'a> Entry<'a> {
-    fn new(line: &'a [u8]) -> Self {
-        Self { words: words(line).collect() }
+    fn new(lines: &'a LineReader) -> Self {
+        Self { words: words(lines.line()).collect(), line: lines.number() }
     }
 
     fn kind(&self) -> String {
@@ -123,6 +143,7 @@ impl<'a> Entry<'a> {
 pub fn read_restart(path: &Path) -> Result<MercuryRestart, IoError> {
     let mut lines = LineReader::open(path)?;
     let mut restart = MercuryRestart {
+        path: path.into(),
         time: None,
         gravity: None,
         species: Vec::new(),
@@ -135,7 +156,7 @@ pub fn read_restart(path: &Path) -> Result<MercuryRestart, IoError> {
     let mut periodic = [None; 3];
     let mut seen_particles = false;
     while lines.advance()? {
-        let entry = Entry::new(lines.line());
+        let entry = Entry::new(&lines);
         if lines.number() == 1 && entry.words.first() != Some(&&b"MercuryDPM"[..]) {
             return Err(lines.error("this is no MercuryDPM .restart file", "its first word has to be MercuryDPM"));
         }
@@ -204,7 +225,7 @@ fn section_of<T>(
             let message = format!("the file ends after {seen} of {count} entries of a section");
             return Err(lines.error(message, "the file is cut, or still being written"));
         }
-        let entry = Entry::new(lines.line());
+        let entry = Entry::new(lines);
         // Mixed species follow their species without being counted, and large objects take several lines.
         if !key.is_empty() && entry.word(key).is_none() {
             if entry.words.len() == 2 && integer(entry.words[1]).is_some() {
@@ -226,7 +247,7 @@ fn needed<T>(value: Option<T>, what: &str) -> Result<T, String> {
 fn species(entry: &Entry) -> Result<MercurySpecies, String> {
     let id = needed(entry.word("id").and_then(integer), "id")?;
     let [density] = needed(entry.numbers("density"), "density")?;
-    Ok(MercurySpecies { id, kind: entry.kind(), density })
+    Ok(MercurySpecies { id, kind: entry.kind(), density, line: entry.line })
 }
 
 fn wall(entry: &Entry) -> Result<MercuryWall, String> {
@@ -306,7 +327,7 @@ fn build(path: &Path, rows: Vec<ParticleEntry>, restart: &MercuryRestart) -> Res
         let data = rows.iter().flat_map(|row| row.vectors[k]).collect();
         particles = particles.with_quantity(Quantity { name: name.into(), components: 3, data }).map_err(wrong)?;
     }
-    particles = restart.complete(particles).map_err(wrong)?;
+    particles = restart.complete(particles)?;
     let by_density = particles.quantity("mass").map_err(wrong)?.data.clone();
     let masses = rows.iter().zip(by_density).map(|(row, mass)| match row.inverse_mass {
         Some(inverse) if inverse > 0.0 => inverse.recip(),

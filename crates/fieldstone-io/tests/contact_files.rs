@@ -346,8 +346,18 @@ fn the_restart_file_gives_densities_masses_walls_and_periodic_directions() {
     let mass = &of_data.quantity("mass").unwrap().data;
     assert!((mass[0] - 5.0 * sphere).abs() < 1e-14 && (mass[1] - 16.0 * sphere).abs() < 1e-13);
     assert_eq!(of_data.domain(), Some(&domain));
-    let error = restart.complete(of_data.with_types(vec![1, 3]).unwrap()).unwrap_err().to_string();
-    assert!(error.contains("density of species 3"), "{error}");
+    let error = restart.complete(of_data.clone().with_types(vec![1, 3]).unwrap()).unwrap_err().to_string();
+    assert!(
+        error.contains("a.restart: particle 1 is of species 3, which the file does not have; it has 0, 1"),
+        "{error}"
+    );
+    let none = RESTART.replace("density 5", "density -1");
+    std::fs::write(&path, &none).unwrap();
+    let line = 1 + none.lines().position(|line| line.contains("density -1")).unwrap();
+    let error = read_restart(&path).unwrap_err().to_string();
+    let found =
+        format!("a.restart:{line}: species 1, of which particle 1 is, has density -1; densities must be above 0");
+    assert!(error.contains(&found), "{error}");
 }
 
 #[test]

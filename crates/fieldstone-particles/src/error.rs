@@ -41,7 +41,7 @@ pub enum ParticlesError {
     )]
     NoRadius,
     /// A column that the caller names does not exist.
-    #[error("there is no column '{name}'; the particles have: {available}")]
+    #[error("there is no column '{name}'; {}", listed(.available))]
     NoColumn {
         /// Name asked for.
         name: String,
@@ -146,4 +146,12 @@ pub enum ParticlesError {
         /// Points.
         count: usize,
     },
+}
+
+/// The columns that there are, as part of a sentence.
+fn listed(available: &str) -> String {
+    match available {
+        "" => "the particles have no columns that could be named".into(),
+        _ => format!("the particles have: {available}"),
+    }
 }
