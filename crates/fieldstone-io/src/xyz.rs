@@ -13,7 +13,7 @@ use crate::{FrameReader, IoError};
 /// Reads the particles of an XYZ file, frame by frame, compressed or not.
 ///
 /// A frame is a line with the number of particles, a line of comment, and rows `name x y z`, or `name x y z
-/// radius`. Names that are integers are types. Where the comment says `Properties=species:S:1:pos:R:3:…`, it
+/// radius`. Names that are integers are types; others are passed over, with a warning. Where the comment says `Properties=species:S:1:pos:R:3:…`, it
 /// decides on the columns; `Lattice="…"`, `Origin="…"` and `pbc="…"` then give the box, orthogonal or
 /// triclinic with its first vector along x and its second in the plane of x and y, `Time=` the time.
 ///
@@ -170,7 +170,10 @@ impl XyzReader {
         let mut columns = Columns::new(names, Dialect::Table)
             .map_err(|missing| self.lines.error(missing, "Properties needs pos:R:3"))?;
         for name in columns.pass_over_text(first.iter().map(Vec::as_slice)) {
-            self.warn(format!("column '{name}' holds text and is passed over"));
+            let label = ["species", "type", "element"].iter().any(|label| name.eq_ignore_ascii_case(label));
+            let remedy =
+                if label { ": types are numbers; to tell species apart, write numbers in place of names" } else { "" };
+            self.warn(format!("column '{name}' holds text and is passed over{remedy}"));
         }
         let assembly = Assembly::new(&columns, usize::try_from(count).unwrap_or(usize::MAX));
         Ok((columns, assembly))

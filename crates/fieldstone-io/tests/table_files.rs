@@ -292,7 +292,9 @@ fn particles_written_as_a_table_read_back_the_same() {
 fn plain_xyz_rows_have_a_name_or_a_type_and_perhaps_a_radius() {
     let (p, warnings) = read("2\nAtoms. Timestep: 40\nC 0 0 1\nFe 1 2 3\n");
     assert_eq!((p.positions()[1], p.step()), ([1.0, 2.0, 3.0], Some(40)));
-    assert_eq!(warnings, ["column 'species' holds text and is passed over"]);
+    let told = "column 'species' holds text and is passed over: types are numbers; to tell species apart, write numbers in \
+                place of names";
+    assert_eq!(warnings, [told]);
     let (p, warnings) = read("2\n\n3 0 0 1 0.5\n4 1 2 3 0.25\n");
     assert_eq!((p.types().unwrap(), p.radii().unwrap()), (&[3, 4][..], &[0.5, 0.25][..]));
     assert!(warnings.is_empty());
