@@ -40,12 +40,15 @@ impl CsvWriter {
 
     /// Starts a table with lines of comment, each after `# `, above the names of the columns.
     ///
+    /// Lines that begin with `#` themselves get one more: the text comes back where the first `#` of each line is taken off.
+    ///
     /// # Errors
     /// As [`CsvWriter::create`].
     pub fn create_with_comment(path: &Path, comment: &str, names: &[&str]) -> Result<Self, IoError> {
         let mut writer = Self { file: AtomicFile::create(path)?, path: path.into(), separator: Separator::Comma };
         for line in comment.lines() {
-            writer.line(format!("# {line}").trim_end())?;
+            let sign = if line.starts_with('#') { "#" } else { "# " };
+            writer.line(format!("{sign}{line}").trim_end())?;
         }
         writer.line(&names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(","))?;
         Ok(writer)
@@ -168,6 +171,18 @@ pub fn write_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), IoError>
 /// # Errors
 /// [`IoError::System`].
 pub fn write_particles_csv(path: &Path, particles: &Particles) -> Result<(), IoError> {
+    write_particles_csv_named(path, particles, &[])
+}
+
+/// As [`write_particles_csv`], with names for the components of some quantities: `stress_xx stress_xy …`.
+///
+/// # Errors
+/// [`IoError::System`].
+pub fn write_particles_csv_named(
+    path: &Path,
+    particles: &Particles,
+    component_names: &[(&str, &[String])],
+) -> Result<(), IoError> {
     let mut names: Vec<String> = Vec::new();
     names.extend(particles.ids().map(|_| "id".into()));
     names.extend(particles.types().map(|_| "type".into()));
@@ -176,7 +191,11 @@ pub fn write_particles_csv(path: &Path, particles: &Particles) -> Result<(), IoE
     names.extend(radii.map(|_| "radius".into()));
     for quantity in particles.quantities() {
         let name = &quantity.name;
+        let own = component_names.iter().find(|(of, list)| of == name && list.len() == quantity.components);
         match quantity.components {
+            n if n > 1 && own.is_some() => {
+                names.extend(own.into_iter().flat_map(|(_, list)| *list).map(|part| format!("{name}_{part}")));
+            }
             1 => names.push(name.clone()),
             3 => names.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}"))),
             n => names.extend((0..n).map(|k| format!("{name}:{k}"))),

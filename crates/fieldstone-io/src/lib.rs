@@ -63,7 +63,7 @@ pub use contact_dump::ContactDumpReader;
 pub use contact_table::ContactTableReader;
 pub use contacts::{ContactOptions, ContactPreset, ContactReader, FrameStamp, open_contacts};
 pub use csv::{CsvReader, CsvTable, Separator};
-pub use csv_write::{CsvWriter, write_csv, write_particles_csv};
+pub use csv_write::{CsvWriter, write_csv, write_particles_csv, write_particles_csv_named};
 pub use data_array::{DataArray, Values};
 pub use dump::DumpReader;
 pub use error::{IoError, Position};

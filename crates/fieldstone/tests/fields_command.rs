@@ -98,12 +98,18 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     assert!((read("a.csv", "speed_x")[0] - 3.0).abs() < 1e-14);
     // The echo is itself a file of settings.
     let text = std::fs::read_to_string(folder.path("a.csv")).unwrap();
-    let echo: Vec<&str> =
-        text.lines().filter_map(|line| line.strip_prefix("# ")).take_while(|l| !l.starts_with("time")).collect();
+    let echo: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix('#')).collect();
     mentions(
         &text,
-        &["# fieldstone ", "# sign = \"tension\"", "# function = \"exact\"", "# density: ρ = Σ m φ, in mass"],
+        &[
+            "## fieldstone ",
+            "# sign = \"tension\"",
+            "# function = \"exact\"",
+            "## density: rho = sum m phi, in mass",
+            "## time 1\n",
+        ],
     );
+    assert!(!text.contains("# #"), "{text}");
     folder.write("again.toml", echo.join("\n"));
     folder.succeeds("fields again.toml --out again.csv");
     let rows = |text: &str| text.lines().filter(|l| !l.starts_with('#')).map(String::from).collect::<Vec<_>>();
@@ -486,5 +492,56 @@ fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
     ] {
         folder.succeeds(&format!("plot o.csv {options} --profile z --out p.svg"));
         mentions(&std::fs::read_to_string(folder.path("p.svg")).unwrap(), &[name]);
+    }
+}
+
+/// The columns of a `.vti` or `.vtp` written as text: names of components, and the first row.
+fn first_row(folder: &Folder, file: &str, name: &str) -> Vec<(String, f64)> {
+    let text = std::fs::read_to_string(folder.path(file)).unwrap();
+    let element = text.split("<DataArray ").find(|part| part.contains(&format!("Name=\"{name}\""))).unwrap();
+    let names = element.split("ComponentName").skip(1).map(|part| part.split('"').nth(1).unwrap().to_string());
+    let numbers = element.split_once('>').unwrap().1.split_ascii_whitespace().map(|word| word.parse().unwrap());
+    names.zip(numbers).collect()
+}
+
+#[test]
+fn symmetric_tensors_are_in_the_order_of_vtk_in_its_files_and_are_read_back_by_name() {
+    let folder = two_species();
+    let line = format!("{SPECIES} --frames 0 --fields momentum_flux,density --stress-form branch-in-cell");
+    folder.succeeds(&format!("{line} --encoding text --to-particles back.vtp --out o.vti"));
+    folder.succeeds(&format!("{line} --to-particles back.csv --out o.csv"));
+    let (cells, back) =
+        (CsvTable::read(&folder.path("o.csv")).unwrap(), CsvTable::read(&folder.path("back.csv")).unwrap());
+    for (file, name, table) in [("o.vti", "momentum_flux", &cells), ("back.vtp", "field_momentum_flux", &back)] {
+        let row = first_row(&folder, file, name);
+        let names: Vec<&str> = row.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["xx", "yy", "zz", "xy", "yz", "xz"], "{file}");
+        for (k, component) in ["xx", "xy", "xz", "yy", "yz", "zz"].iter().enumerate() {
+            let expected = table.column(&format!("{name}_{component}")).unwrap()[0];
+            assert!(row.contains(&((*component).into(), expected)), "{file} {component} {expected}: {row:?}");
+            assert_eq!(column(&folder, file, name)[k], expected, "{file} {component}");
+        }
+    }
+    // The momentum flux of what moves along x has one component only, so places that are mixed up show.
+    assert!(first_row(&folder, "o.vti", "momentum_flux")[0].1 > 0.0);
+}
+
+#[test]
+fn texts_in_vtk_files_are_ascii_whatever_the_formulas_and_names_of_files() {
+    let folder = mercury();
+    folder.write("größe.data", std::fs::read_to_string(folder.path("box.data")).unwrap());
+    let line = MERCURY.replace("box.data", "größe.data");
+    folder.succeeds(&format!("{line} --fields all --encoding text --face-fields faces.vtp --out o.vti"));
+    for file in ["o.vti", "faces.vtp"] {
+        let text = std::fs::read_to_string(folder.path(file)).unwrap();
+        let codes = text.split("type=\"String\"").nth(1).unwrap();
+        let codes = codes.split_once('>').unwrap().1.split('<').next().unwrap();
+        let bytes: Vec<u8> = codes.split_ascii_whitespace().map(|code| code.parse().unwrap()).collect();
+        assert!(bytes.is_ascii(), "{file}");
+        let echo = String::from_utf8(bytes).unwrap();
+        mentions(&echo, &["gr\\u00f6\\u00dfe.data", "# density: rho = sum m phi, in mass/length^3"]);
+        // Still settings that can be run.
+        folder.write("echo.toml", echo.trim_end_matches('\0'));
+        folder.succeeds("fields echo.toml --out again.vti");
     }
 }

@@ -18,6 +18,7 @@ mod mesh;
 mod particles;
 mod scalar;
 mod series;
+mod symmetric_tensor;
 mod write_mesh;
 mod write_polydata;
 mod xml_image;
@@ -34,7 +35,9 @@ pub use mesh::{VtkMesh, read_vtk_mesh};
 pub use particles::read_vtk_particles;
 pub use series::{read_pvd, write_pvd};
 pub use write_mesh::{write_vti, write_vtu};
-pub use write_polydata::{write_vtp_particles, write_vtp_particles_with, write_vtp_polygons, write_vtp_surface};
+pub use write_polydata::{
+    write_vtp_particles, write_vtp_particles_named, write_vtp_particles_with, write_vtp_polygons, write_vtp_surface,
+};
 pub use xml_writer::VtkArrays;
 
 use crate::{IoError, source};

@@ -37,6 +37,19 @@ pub fn write_vtp_particles(path: &Path, particles: &Particles, encoding: VtkEnco
     write_vtp_particles_with(path, particles, &[], encoding)
 }
 
+/// As [`write_vtp_particles`], with names for the components of quantities: see [`VtkArrays::component_names`].
+///
+/// # Errors
+/// [`IoError::System`].
+pub fn write_vtp_particles_named(
+    path: &Path,
+    particles: &Particles,
+    component_names: &[(&str, &[String])],
+    encoding: VtkEncoding,
+) -> Result<(), IoError> {
+    write_columns(path, particles, &[], component_names, encoding)
+}
+
 /// As [`write_vtp_particles`], with more columns on the particles: those that were computed, integers among them.
 ///
 /// A column of the particles that has the name of one of `computed` is left out.
@@ -47,6 +60,16 @@ pub fn write_vtp_particles_with(
     path: &Path,
     particles: &Particles,
     computed: &[DataArray],
+    encoding: VtkEncoding,
+) -> Result<(), IoError> {
+    write_columns(path, particles, computed, &[], encoding)
+}
+
+fn write_columns(
+    path: &Path,
+    particles: &Particles,
+    computed: &[DataArray],
+    component_names: &[(&str, &[String])],
     encoding: VtkEncoding,
 ) -> Result<(), IoError> {
     let mut columns = Vec::new();
@@ -64,7 +87,7 @@ pub fn write_vtp_particles_with(
     }
     columns.retain(|column| computed.iter().all(|other| other.name != column.name));
     columns.extend_from_slice(computed);
-    let arrays = VtkArrays { points: &columns, time: particles.time(), ..VtkArrays::default() };
+    let arrays = VtkArrays { points: &columns, time: particles.time(), component_names, ..VtkArrays::default() };
     let connectivity: Vec<i64> = (0..particles.len() as i64).collect();
     let ends: Vec<i64> = (1..=particles.len() as i64).collect();
     let cells = Cells { element: "Verts", connectivity: &connectivity, ends: &ends };
@@ -160,7 +183,7 @@ fn write(
     }
     let mut file = XmlFile::new(path, encoding, "PolyData", "", &arrays)?;
     file.open("Piece", &attributes);
-    file.columns("PointData", arrays.points, points.len(), &[])?;
+    file.columns("PointData", arrays.points, points.len(), arrays.component_names)?;
     file.columns("CellData", arrays.cells, count, arrays.component_names)?;
     file.open("Points", "");
     file.array("Points", 3, Column::F64(points.as_flattened()))?;

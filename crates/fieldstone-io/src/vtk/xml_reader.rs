@@ -5,6 +5,7 @@ use super::cells::{Faces, PointRange, RawCells};
 use super::data::{VtkData, VtkKind, points};
 use super::fault::{Fault, Parsed};
 use super::scalar::{Scalar, whole_numbers};
+use super::symmetric_tensor;
 use super::xml_image;
 use super::xml_tree::{Appended, Element, parse};
 use crate::{DataArray, Position, Values};
@@ -196,6 +197,10 @@ impl Arrays<'_> {
                 );
                 return Err(Fault::damaged(element.position(), found).in_array(&name));
             }
+            let names: Vec<&str> =
+                (0..components.min(6)).filter_map(|k| element.attribute(&format!("ComponentName{k}"))).collect();
+            let symmetric = components == 6 && symmetric_tensor::is_in_file_order(&names);
+            let values = if symmetric { symmetric_tensor::values_from_file(values) } else { values };
             all.push(DataArray { name, components, values });
         }
         Ok(all)

@@ -6,6 +6,7 @@ use std::path::Path;
 use quick_xml::escape::escape;
 
 use super::encoding::{Column, VtkCompression, VtkEncoding, VtkFormat};
+use super::symmetric_tensor;
 use crate::{AtomicFile, DataArray, IoError, Position};
 
 /// Columns that go into a VTK file beside the geometry.
@@ -25,8 +26,13 @@ pub struct VtkArrays<'a> {
     /// Time, written as the field data `TimeValue`.
     pub time: Option<f64>,
     /// Texts by name, written as field data: how the data were made, say.
+    ///
+    /// VTK reads ASCII only, so other characters are written as TOML and JSON escape them: `\u03c1`.
     pub texts: &'a [(&'a str, &'a str)],
-    /// Names of the components of columns on cells, by the column's name; columns that are not listed have none.
+    /// Names of the components of columns, by the column's name; columns that are not listed have none.
+    ///
+    /// Symmetric tensors of the components xx xy xz yy yz zz are written in VTK's order, xx yy zz xy yz xz, and read back
+    /// in that of memory.
     pub component_names: &'a [(&'a str, &'a [String])],
 }
 
@@ -85,11 +91,11 @@ impl<'a> XmlFile<'a> {
         let _ = writeln!(self.text, "</{name}>");
     }
 
-    /// Adds a text: VTK wants the codes of its bytes, and a zero after them.
+    /// Adds a text: VTK wants the codes of its bytes, ASCII all of them, and a zero after them.
     fn string(&mut self, name: &str, content: &str) {
         let name = escape(name);
         let _ = writeln!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">");
-        for (k, byte) in content.bytes().chain([0]).enumerate() {
+        for (k, byte) in ascii(content).bytes().chain([0]).enumerate() {
             let _ = write!(self.text, "{}{byte}", if k % 32 == 0 && k > 0 { "\n" } else { " " });
         }
         self.text.push_str("\n</Array>\n");
@@ -171,10 +177,21 @@ impl<'a> XmlFile<'a> {
             let mut shape = format!(" NumberOfComponents=\"{}\"", array.components);
             let names =
                 component_names.iter().find(|(name, _)| *name == array.name).map_or(&[][..], |(_, names)| *names);
-            for (k, name) in names.iter().enumerate().filter(|_| names.len() == array.components) {
-                let _ = write!(shape, " ComponentName{k}=\"{}\"", escape(name.as_str()));
+            let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let symmetric =
+                names.first_chunk().filter(|_| symmetric_tensor::is_symmetric(&names)).map(symmetric_tensor::to_file);
+            if let Some(in_file) = symmetric {
+                names = in_file.into();
             }
-            self.numbers(&array.name, &shape, array.components, column, Some)?;
+            for (k, name) in names.iter().enumerate().filter(|_| names.len() == array.components) {
+                let _ = write!(shape, " ComponentName{k}=\"{}\"", escape(*name));
+            }
+            if symmetric.is_some() && array.components == 6 {
+                let values = symmetric_tensor::values_to_file(&array.values);
+                self.numbers(&array.name, &shape, array.components, Column::from(&values), |_| None)?;
+            } else {
+                self.numbers(&array.name, &shape, array.components, column, Some)?;
+            }
         }
         self.close(element);
         Ok(())
@@ -202,5 +219,37 @@ impl<'a> XmlFile<'a> {
             }
             out.write_all(b"</VTKFile>\n")
         })
+    }
+}
+
+/// The text with all but ASCII escaped.
+fn ascii(text: &str) -> String {
+    let mut all = String::with_capacity(text.len());
+    for c in text.chars() {
+        match u32::from(c) {
+            0..0x80 => all.push(c),
+            code @ ..0x1_0000 => {
+                let _ = write!(all, "\\u{code:04x}");
+            }
+            code => {
+                let _ = write!(all, "\\U{code:08x}");
+            }
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_in_a_vtk_file_is_ascii() {
+        assert_eq!(ascii("a = \"größe\" # ρ = 1 𝜌"), "a = \"gr\\u00f6\\u00dfe\" # \\u03c1 = 1 \\U0001d70c");
+        let arrays = VtkArrays { texts: &[("made", "Σ m φ")], ..VtkArrays::default() };
+        let file = XmlFile::new(Path::new("x"), VtkEncoding::TEXT, "PolyData", "", &arrays).unwrap();
+        let text = file.text.split("format=\"ascii\">").nth(1).unwrap().split('<').next().unwrap();
+        let codes: Vec<u32> = text.split_ascii_whitespace().map(|code| code.parse().unwrap()).collect();
+        assert!(codes.len() > 1 && codes.iter().all(|&code| code < 128), "{codes:?}");
     }
 }

@@ -33,6 +33,7 @@ use account::{Account, Seen};
 use cells::{CellSet, bytes_per_cell};
 use faces::FaceSums;
 use frames::{Frame, Outcome, OverTime, Plan, compute, time_of, with_displacements};
+use names::ascii;
 pub(crate) use names::mercury_name;
 use output::{CellKind, Content, Format, Writer, check_side};
 use settings::{FunctionName, Settings, Sign};
@@ -381,7 +382,9 @@ impl<'a> Run<'a> {
                 contents.push(Content::Faces(std::mem::take(&mut outcome.faces)));
             }
             if let Some(particles) = outcome.particles.take() {
-                contents.push(Content::Particles(self.at_particles(cells, particles, &outcome.fields)?));
+                let fields = &outcome.fields.fields;
+                let names = fields.iter().map(|field| (particle_field(field), field.components.clone())).collect();
+                contents.push(Content::Particles(self.at_particles(cells, particles, &outcome.fields)?, names));
             }
             writer.put(outcome, contents)
         };
@@ -518,7 +521,7 @@ impl<'a> Run<'a> {
         let inside = (0..weights.particles()).map(share).collect();
         let mut quantities = vec![Quantity { name: "fraction_in_cells".into(), components: 1, data: inside }];
         for field in &fields.fields {
-            let (name, components) = (format!("field_{}", field.name), field.components.len());
+            let (name, components) = (particle_field(field), field.components.len());
             let mut data = field_at_particles(&weights, field)?;
             // Cells of several periods hold a particle more than once: the mean is over all its images in them.
             for (i, values) in data.chunks_exact_mut(components.max(1)).enumerate() {
@@ -535,12 +538,12 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Formulas and units, as comments below the settings.
+    /// Formulas and units, as comments below the settings; in ASCII, since VTK reads nothing else.
     fn legend(&self) -> String {
         let lines = self.options.fields.iter().map(|field| {
             let components = field.components().join(" ");
             let components = if components.is_empty() { String::new() } else { format!(" ({components})") };
-            format!("# {field}{components}: {}, in {}\n", field.formula(), field.unit())
+            ascii(&format!("# {field}{components}: {}, in {}\n", field.formula(), field.unit()))
         });
         lines.collect()
     }
@@ -551,6 +554,11 @@ const MOST_SPECIES: usize = 64;
 
 /// What crosses the faces in a frame, with its periodic box.
 type FacesInBox<'a> = dyn Fn(&Frame, Option<&Domain>) -> Result<FaceSums, FieldsError> + Sync + 'a;
+
+/// What a field is called where it has been brought back to the particles.
+fn particle_field(field: &Field) -> String {
+    format!("field_{}", field.name)
+}
 
 fn moves(particles: &Particles) -> bool {
     particles.quantity("velocity").is_ok()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use fieldstone::fields::{Field, Function, KernelShape};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding, VtkImage};
-use fieldstone::io::{CsvWriter, DataArray, StatField, StatHeader, StatWriter, write_particles_csv};
+use fieldstone::io::{CsvWriter, DataArray, StatField, StatHeader, StatWriter, write_particles_csv_named};
 use fieldstone::mesh::{Cells, Coordinates};
 
 use fieldstone::particles::Particles;
@@ -135,15 +135,22 @@ struct Side<'a> {
 /// What such a file holds.
 pub(super) enum Content {
     Faces(FaceFields),
-    Particles(Particles),
+    /// With the names of the fields' components.
+    Particles(Particles, Vec<(String, Vec<String>)>),
 }
 
 impl Content {
     fn write(&self, path: &Path, cells: &CellSet, time: f64, echo: &str, encoding: VtkEncoding) -> anyhow::Result<()> {
         match self {
             Self::Faces(faces) => faces.write(path, cells, time, echo, encoding),
-            Self::Particles(particles) if ending(path) == "csv" => Ok(write_particles_csv(path, particles)?),
-            Self::Particles(particles) => Ok(vtk::write_vtp_particles(path, particles, encoding)?),
+            Self::Particles(particles, names) => {
+                let names: Vec<(&str, &[String])> =
+                    names.iter().map(|(name, list)| (name.as_str(), &list[..])).collect();
+                if ending(path) == "csv" {
+                    return Ok(write_particles_csv_named(path, particles, &names)?);
+                }
+                Ok(vtk::write_vtp_particles_named(path, particles, &names, encoding)?)
+            }
         }
     }
 }
