@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fieldstone_particles::{Contacts, Particles};
+use fieldstone_particles::{Contacts, Domain, Particles};
 
 use crate::contact_assembly::ContactAssembly;
 use crate::contact_columns::{ContactColumns, ResolvedColumns};
@@ -90,9 +90,17 @@ impl ContactDumpReader {
 
     fn look_ahead(&mut self) -> Result<Option<FrameStamp>, IoError> {
         if self.head.is_none() {
-            self.head = self.stream.head(false)?;
+            self.head = self.stream.head(true)?;
         }
         Ok(self.head.as_ref().map(|head| FrameStamp { step: head.step, time: head.time }))
+    }
+
+    fn box_ahead(&mut self) -> Result<Option<Domain>, IoError> {
+        self.look_ahead()?;
+        match self.head.as_ref().and_then(|head| head.cell.clone()) {
+            Some(cell) => self.stream.domain(&cell),
+            None => Ok(None),
+        }
     }
 
     fn read_frame(&mut self, particles: &Particles) -> Result<Option<Contacts>, IoError> {
@@ -145,6 +153,10 @@ impl ContactDumpReader {
 impl ContactReader for ContactDumpReader {
     fn peek(&mut self) -> Result<Option<FrameStamp>, IoError> {
         unless_failed(self, |reader| &mut reader.failed, Self::look_ahead)
+    }
+
+    fn next_box(&mut self) -> Result<Option<Domain>, IoError> {
+        unless_failed(self, |reader| &mut reader.failed, Self::box_ahead)
     }
 
     fn next_frame(&mut self, particles: &Particles) -> Result<Option<Contacts>, IoError> {

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
-use fieldstone_particles::{Contacts, Particles};
+use fieldstone_particles::{Contacts, Domain, Particles};
 use serde::{Deserialize, Serialize};
 
 use crate::contact_columns::ContactColumns;
@@ -73,6 +73,14 @@ pub trait ContactReader {
     /// # Errors
     /// [`IoError`] with the line where the content stops making sense.
     fn peek(&mut self) -> Result<Option<FrameStamp>, IoError>;
+
+    /// The box that the next frame states, with its periodic directions; `None` where it states none.
+    ///
+    /// # Errors
+    /// As [`ContactReader::peek`].
+    fn next_box(&mut self) -> Result<Option<Domain>, IoError> {
+        Ok(None)
+    }
 
     /// The next frame, resolved against the particles of the same frame; `None` after the last.
     ///

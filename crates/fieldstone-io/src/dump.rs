@@ -6,7 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 
 use crate::assembly::Assembly;
 use crate::columns::{Columns, Dialect, non_spherical};
-use crate::dump_box::{BoxFault, DumpBox};
+use crate::dump_box::DumpBox;
 use crate::dump_stream::{DumpHead, DumpRows, DumpStream};
 use crate::frames::unless_failed;
 use crate::lines::words;
@@ -110,26 +110,7 @@ impl DumpReader {
             self.stream.warn("the file states no box".into());
             return Ok(None);
         };
-        if !cell.flagged() {
-            self.stream.warn("the file does not say which directions are periodic: none is taken to be".into());
-        }
-        match cell.domain() {
-            Ok(domain) => Ok(Some(domain)),
-            Err(BoxFault::Turned { periodic }) => {
-                let mut warning =
-                    "the box's edges do not start along x and in the plane of x and y, as they do in restricted \
-                     triclinic boxes: read without a box"
-                        .to_string();
-                if periodic {
-                    warning.push_str("; particles at a periodic boundary are not continued on the other side");
-                }
-                self.stream.warn(warning);
-                Ok(None)
-            }
-            Err(BoxFault::Empty(reason)) => {
-                Err(self.stream.lines.error(reason, "the box is wrong: write the file again"))
-            }
-        }
+        self.stream.domain(cell)
     }
 
     fn read_frame(&mut self) -> Result<Option<Particles>, IoError> {

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use fieldstone_particles::Domain;
+
 use crate::IoError;
-use crate::dump_box::DumpBox;
+use crate::dump_box::{BoxFault, DumpBox};
 use crate::line_blocks::LineBlock;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, text, words};
 
@@ -128,6 +130,28 @@ impl DumpStream {
                     self.pass_over_section()?;
                 }
             }
+        }
+    }
+
+    /// The box with its periodic directions; `None`, with a warning, where it is turned.
+    pub(crate) fn domain(&mut self, cell: &DumpBox) -> Result<Option<Domain>, IoError> {
+        if !cell.flagged() {
+            self.warn("the file does not say which directions are periodic: none is taken to be".into());
+        }
+        match cell.domain() {
+            Ok(domain) => Ok(Some(domain)),
+            Err(BoxFault::Turned { periodic }) => {
+                let mut warning =
+                    "the box's edges do not start along x and in the plane of x and y, as they do in restricted \
+                     triclinic boxes: read without a box"
+                        .to_string();
+                if periodic {
+                    warning.push_str("; particles at a periodic boundary are not continued on the other side");
+                }
+                self.warn(warning);
+                Ok(None)
+            }
+            Err(BoxFault::Empty(reason)) => Err(self.lines.error(reason, "the box is wrong: write the file again")),
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
 
-use fieldstone_particles::{Contacts, Particles};
+use fieldstone_particles::{Contacts, Domain, Particles};
 
 use crate::{
     ContactOptions, ContactReader, FrameRange, FrameReader, FrameStamp, IoError, ParticleOptions, Position,
@@ -60,6 +60,12 @@ pub struct Series {
     options: ParticleOptions,
     sources: Vec<ContactSource>,
     range: FrameRange,
+    /// In place of the files' box.
+    given_box: Option<Domain>,
+    /// Directions that are periodic whatever the files say.
+    periodic: [bool; 3],
+    /// Whether the user has been told where the box is from.
+    told_of_box: bool,
     current: Option<(PathBuf, Box<dyn FrameReader + Send>)>,
     /// The next file to open.
     next_file: usize,
@@ -77,6 +83,9 @@ impl Series {
             options,
             sources: Vec::new(),
             range: FrameRange::default(),
+            given_box: None,
+            periodic: [false; 3],
+            told_of_box: false,
             current: None,
             next_file: 0,
             next_index: 0,
@@ -96,6 +105,20 @@ impl Series {
     #[must_use]
     pub fn with_range(mut self, range: FrameRange) -> Self {
         self.range = range;
+        self
+    }
+
+    /// The same series in this box, whatever the files state.
+    #[must_use]
+    pub fn with_box(mut self, domain: Domain) -> Self {
+        self.given_box = Some(domain);
+        self
+    }
+
+    /// The same series with these directions periodic, beside those that the files state.
+    #[must_use]
+    pub fn with_periodic(mut self, periodic: [bool; 3]) -> Self {
+        self.periodic = periodic;
         self
     }
 
@@ -171,9 +194,13 @@ impl Series {
             };
             let (path, index) = (path.clone(), self.next_index);
             self.next_index += 1;
+            for source in &mut self.sources {
+                source.go_to(&path, index, &particles)?;
+            }
+            let particles = self.in_box(&path, particles)?;
             let mut contacts: Option<Contacts> = None;
             for source in &mut self.sources {
-                let found = source.frame_for(&path, index, &particles)?;
+                let found = source.take(&path, index, &particles)?;
                 match &mut contacts {
                     Some(contacts) => contacts.extend(&found),
                     None => contacts = Some(found),
@@ -181,6 +208,37 @@ impl Series {
             }
             return Ok(Some(SeriesFrame { index, path, particles, contacts }));
         }
+    }
+
+    /// The particles in their box: the one that was given, else that of their file, else that of their contacts.
+    ///
+    /// Without it, contacts through a periodic boundary would reach across the whole box.
+    fn in_box(&mut self, path: &Path, particles: Particles) -> Result<Particles, IoError> {
+        let mut domain = self.given_box.or(particles.domain().copied());
+        for source in &mut self.sources {
+            if domain.is_some() {
+                break;
+            }
+            let Some((from, found)) = source.next_box()? else { continue };
+            domain = Some(found);
+            if !std::mem::replace(&mut self.told_of_box, true) {
+                let axes: String =
+                    "xyz".chars().zip(found.periodic()).filter(|(_, p)| *p).map(|(axis, _)| axis).collect();
+                let axes = if axes.is_empty() { "none".into() } else { axes };
+                self.warnings.push(format!(
+                    "{} states no box: the box of its contacts in {} is taken (periodic directions: {axes})",
+                    path.display(),
+                    from.display()
+                ));
+            }
+        }
+        Ok(match domain {
+            Some(domain) => {
+                let stated = domain.periodic();
+                particles.with_domain(domain.with_periodic([0, 1, 2].map(|k| stated[k] || self.periodic[k])))
+            }
+            None => particles,
+        })
     }
 
     /// How many frames the files hold, whatever the range: all of them are gone through.
@@ -281,18 +339,14 @@ impl ContactSource {
         self.warnings.iter().chain(self.current.iter().flat_map(|(_, reader)| reader.warnings()))
     }
 
-    /// The contacts of frame `index` of the particles.
-    fn frame_for(&mut self, particle_path: &Path, index: usize, particles: &Particles) -> Result<Contacts, IoError> {
+    /// Goes to the contacts of frame `index` of the particles.
+    fn go_to(&mut self, particle_path: &Path, index: usize, particles: &Particles) -> Result<(), IoError> {
         let wanted = FrameStamp::of(particles);
-        let missing = |path: &Path, what: String| {
-            let found = format!("{what} for frame {index} of {} ({wanted})", particle_path.display());
-            Err(IoError::content(path, Position::File, found, "give the contacts of every frame, or a range of frames"))
-        };
         loop {
             let Some((path, reader)) = &mut self.current else {
                 let Some(path) = self.contacts.files.get(self.next_file) else {
                     let last = self.contacts.files.last().map_or(particle_path, PathBuf::as_path);
-                    return missing(last, "there are no more contacts".into());
+                    return Err(missing(last, "there are no more contacts", particle_path, index, wanted));
                 };
                 self.next_file += 1;
                 self.current = Some((path.clone(), open_contacts(path, &self.contacts.options)?));
@@ -311,18 +365,35 @@ impl ContactSource {
                     reader.skip_frame()?;
                     self.next_index += 1;
                 }
-                Ordering::Equal => {
-                    let path = path.clone();
-                    self.next_index += 1;
-                    return match reader.next_frame(particles)? {
-                        Some(contacts) => Ok(contacts),
-                        None => missing(&path, "the file ends where contacts are expected".into()),
-                    };
-                }
+                Ordering::Equal => return Ok(()),
                 Ordering::Greater => {
-                    return missing(path, format!("the next contacts are of {stamp}: there are none"));
+                    let what = format!("the next contacts are of {stamp}: there are none");
+                    return Err(missing(path, &what, particle_path, index, wanted));
                 }
             }
         }
     }
+
+    /// The box that the contacts gone to state, and their file.
+    fn next_box(&mut self) -> Result<Option<(PathBuf, Domain)>, IoError> {
+        let Some((path, reader)) = &mut self.current else { return Ok(None) };
+        Ok(reader.next_box()?.map(|domain| (path.clone(), domain)))
+    }
+
+    /// The contacts gone to.
+    fn take(&mut self, particle_path: &Path, index: usize, particles: &Particles) -> Result<Contacts, IoError> {
+        self.next_index += 1;
+        let (path, found) = match &mut self.current {
+            Some((path, reader)) => (path.as_path(), reader.next_frame(particles)?),
+            None => (particle_path, None),
+        };
+        let what = "the file ends where contacts are expected";
+        found.ok_or_else(|| missing(path, what, particle_path, index, FrameStamp::of(particles)))
+    }
+}
+
+/// Contacts that are not there for a frame of particles.
+fn missing(path: &Path, what: &str, particles: &Path, index: usize, wanted: FrameStamp) -> IoError {
+    let found = format!("{what} for frame {index} of {} ({wanted})", particles.display());
+    IoError::content(path, Position::File, found, "give the contacts of every frame, or a range of frames")
 }

@@ -6,7 +6,7 @@ mod support;
 
 use std::f64::consts::PI;
 
-use fieldstone::io::{CsvTable, read_stat, vtk};
+use fieldstone::io::{CsvTable, ParticleOptions, read_frame, read_stat, vtk, write_particles_csv};
 use support::Folder;
 use support::cases::{GRAINS, MERCURY, apart, column, grains, json, mentions, mercury, numbers, size};
 
@@ -493,6 +493,42 @@ fn a_quantity_of_a_vector_has_the_names_of_its_axes_in_the_file_and_in_plots() {
         folder.succeeds(&format!("plot o.csv {options} --profile z --out p.svg"));
         mentions(&std::fs::read_to_string(folder.path("p.svg")).unwrap(), &[name]);
     }
+}
+
+#[test]
+fn contacts_through_the_boundary_are_right_where_only_their_own_dump_states_the_box() {
+    let folder = grains();
+    let particles = read_frame(&folder.path("part.dump"), &ParticleOptions::default(), 0).unwrap();
+    write_particles_csv(&folder.path("part.csv"), &particles).unwrap();
+    let cells = "--grid 0,0.04,0,0.04,-0.005,0.12 --cells 2 --out o.vti --json";
+    let bare = GRAINS.replace("part.dump", "part.csv");
+    let sums = |line: &str, file: &str| {
+        let run = folder.succeeds(&format!("{line} {cells} {file}"));
+        let account = json(&folder, file);
+        let [a, b] = ["stress_sum_contacts", "stress_sum_fields"].map(|key| numbers(&account[key]));
+        // Branches across the whole box leave the cells, where it is open.
+        assert!(line.contains("none") || apart(&a, &b) <= 1e-12 * size(&a), "{a:?} {b:?}");
+        (a, run.stderr)
+    };
+    let (expected, _) = sums(GRAINS, "dump.json");
+    let (found, told) = sums(&bare, "csv.json");
+    assert!(apart(&expected, &found) <= 1e-12 * size(&expected), "{expected:?} {found:?}");
+    mentions(&told, &["part.csv states no box", "its contacts in pair.dump is taken (periodic directions: xy)"]);
+    // The box may be given; a wrong one makes branches across all of it.
+    let (found, told) = sums(&format!("{bare} --box 0,0.04,0,0.04,-0.005,0.12 --periodic xy"), "given.json");
+    assert!(apart(&expected, &found) <= 1e-12 * size(&expected) && !told.contains("states no box"), "{told}");
+    let (open, _) = sums(&format!("{bare} --box 0,0.04,0,0.04,-0.005,0.12 --periodic none"), "open.json");
+    assert!(apart(&expected, &open) > 0.1 * size(&expected), "{open:?}");
+    for (options, reason) in [
+        ("--box 0,1,0,1,0,1", "--box: say along which axes the box is periodic, as in --periodic xy"),
+        ("--box 0,1,0,1 --periodic x", "--box"),
+        ("--box 0,1,0,1,1,0 --periodic x", "--box: the box runs from 1 to 0 along z"),
+    ] {
+        mentions(&folder.fails(&format!("{bare} {options} --cells 2 --out o.vti")), &[reason]);
+    }
+    folder.write("a.csv", "x,y,z,radius\n0,0,0,1\n");
+    let line = "fields --particles a.csv --density 1 --cells 2 --grid 0,1,0,1,0,1 --periodic x --out o.vti";
+    mentions(&folder.fails(line), &["a.csv, frame 0: the files state no box; give it with --box"]);
 }
 
 /// The columns of a `.vti` or `.vtp` written as text: names of components, and the first row.

@@ -8,7 +8,7 @@ use fieldstone::fields::{
 };
 use fieldstone::io::{MercuryRestart, SeriesFrame};
 use fieldstone::mesh::Cells;
-use fieldstone::particles::{Contacts, Particles, Quantity};
+use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
 use rayon::prelude::*;
 
 use super::faces::{FaceFields, FaceSums};
@@ -33,8 +33,17 @@ pub(super) fn time_of(settings: &Settings, index: usize, particles: &Particles) 
     particles.time().unwrap_or_else(|| settings.timestep.unwrap_or(1.0) * steps())
 }
 
-impl Frame {
-    pub fn new(settings: &Settings, restart: Option<&MercuryRestart>, frame: SeriesFrame) -> anyhow::Result<Self> {
+/// What frames are completed with.
+pub(super) struct Source<'a> {
+    pub settings: &'a Settings,
+    pub restart: Option<&'a MercuryRestart>,
+    /// In place of the files' box.
+    pub bounds: Option<Domain>,
+}
+
+impl Source<'_> {
+    pub fn frame(&self, frame: SeriesFrame) -> anyhow::Result<Frame> {
+        let settings = self.settings;
         let SeriesFrame { index, path, mut particles, contacts } = frame;
         let name = format!("{}, frame {index}", path.display());
         if particles.is_empty() {
@@ -43,8 +52,12 @@ impl Frame {
         if let Some(radius) = settings.radius {
             particles = particles.with_uniform_radius(radius).map_err(|e| anyhow!("--radius: {e}"))?;
         }
-        if let Some(restart) = restart {
+        if let Some(restart) = self.restart {
             particles = restart.complete(particles).map_err(|e| anyhow!("--restart: {name}: {e}"))?;
+        }
+        // The restart file has a box, too.
+        if let Some(bounds) = self.bounds {
+            particles = particles.with_domain(bounds);
         }
         if let Some(column) = &settings.mass_column {
             let found = particles.quantity(column).map_err(|e| anyhow!("--mass-column: {name}: {e}"))?;
@@ -64,9 +77,11 @@ impl Frame {
             particles = particles.with_quantity(masses)?;
         }
         let time = time_of(settings, index, &particles);
-        Ok(Self { index, time, name, particles, contacts, faces: None })
+        Ok(Frame { index, time, name, particles, contacts, faces: None })
     }
+}
 
+impl Frame {
     /// An error with the frame that it is about.
     pub fn placed(&self, error: FieldsError) -> anyhow::Error {
         match &error {

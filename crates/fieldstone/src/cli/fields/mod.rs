@@ -21,7 +21,7 @@ use fieldstone::fields::{
     Weights, field_at_particles,
 };
 use fieldstone::io::{
-    BackgroundSeries, ContactFiles, FrameRange, MercuryRestart, ParticleOptions, Series, find_files, read_restart,
+    BackgroundSeries, ContactFiles, FrameRange, ParticleOptions, Series, find_files, read_restart,
 };
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
@@ -32,7 +32,7 @@ use super::{outputs, report};
 use account::{Account, Seen};
 use cells::{CellSet, bytes_per_cell};
 use faces::FaceSums;
-use frames::{Frame, Outcome, OverTime, Plan, compute, time_of, with_displacements};
+use frames::{Frame, Outcome, OverTime, Plan, Source, compute, time_of, with_displacements};
 use names::ascii;
 pub(crate) use names::mercury_name;
 use output::{CellKind, Content, Format, Writer, check_side};
@@ -85,6 +85,8 @@ struct Run<'a> {
     contacts: Vec<ContactFiles>,
     range: FrameRange,
     periodic: Periodic,
+    /// In place of the files' box.
+    bounds: Option<Domain>,
     options: CoarseGrainingOptions,
     gravity: Option<[f64; 3]>,
     /// Types that get fields of their own.
@@ -165,10 +167,12 @@ impl<'a> Run<'a> {
             contacts,
             range: FrameRange::default(),
             periodic: settings.periodic.as_deref().unwrap_or("auto").parse().map_err(|e| anyhow!("--periodic: {e}"))?,
+            bounds: None,
             options: CoarseGrainingOptions::default(),
             gravity,
             species: Vec::new(),
         };
+        run.bounds = run.bounds()?;
         run.options = run.options()?;
         run.range = run.range()?;
         Ok(run)
@@ -225,6 +229,16 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// The box that was given, with its periodic directions.
+    fn bounds(&self) -> anyhow::Result<Option<Domain>> {
+        let Some(bounds) = &self.settings.bounds else { return Ok(None) };
+        let [x0, x1, y0, y1, z0, z1] = bounds.exactly("box")?;
+        let Periodic::Given(axes) = self.periodic else {
+            bail!("--box: say along which axes the box is periodic, as in --periodic xy, or --periodic none");
+        };
+        Ok(Some(Domain::new([x0, y0, z0], [x1, y1, z1], axes).map_err(|e| anyhow!("--box: {e}"))?))
+    }
+
     fn displaced(&self) -> bool {
         self.options.fields.iter().any(|field| field.needs_displacement())
     }
@@ -248,6 +262,14 @@ impl<'a> Run<'a> {
     fn series(&self, with_contacts: bool) -> Series {
         let options = ParticleOptions { allow_non_spherical: self.settings.allow_non_spherical.unwrap_or(false) };
         let series = Series::new(self.files.clone(), options).with_range(self.range);
+        let series = match self.periodic {
+            Periodic::Given(axes) => series.with_periodic(axes),
+            Periodic::Auto => series,
+        };
+        let series = match self.bounds {
+            Some(bounds) => series.with_box(bounds),
+            None => series,
+        };
         let contacts = self.contacts.iter().filter(|_| with_contacts).cloned();
         contacts.fold(series, Series::with_contacts)
     }
@@ -283,7 +305,8 @@ impl<'a> Run<'a> {
             let count = self.series(false).count_frames()?;
             bail!("{}: {}; check --frames", self.files[0].display(), self.range.why_empty(count))
         };
-        let first = Frame::new(self.settings, restart.as_ref(), first)?;
+        let source = Source { settings: self.settings, restart: restart.as_ref(), bounds: self.bounds };
+        let first = source.frame(first)?;
         first.particles.radii().map_err(|e| anyhow!("{}: {e}; give one for all with --radius", first.name))?;
         self.options.quantities = self.quantities(&first)?;
         if self.settings.fields.as_deref() == Some("all") && first.particles.quantity("angular_velocity").is_err() {
@@ -291,7 +314,7 @@ impl<'a> Run<'a> {
         }
         self.species = self.species(&first)?;
         let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
-        let mut job = Job { cells: &cells, first, series: &mut series, restart: restart.as_ref(), over_time };
+        let mut job = Job { cells: &cells, first, series: &mut series, source, over_time };
         let keep = self.settings.face_fields.is_some();
         let account = match &cells {
             CellSet::Mesh(mesh) => {
@@ -329,6 +352,9 @@ impl<'a> Run<'a> {
         faces: Option<&FacesInBox<'_>>,
         job: &mut Job<'_>,
     ) -> anyhow::Result<Account> {
+        if matches!(self.periodic, Periodic::Given(axes) if axes != [false; 3]) && job.first.particles.domain().is_none() {
+            bail!("--periodic: {}: the files state no box; give it with --box", job.first.name);
+        }
         let (domain, note) = self.periodic.domain(&job.first.particles, cells.bounds())?;
         if let Some(note) = note {
             report::warn(&note);
@@ -351,8 +377,8 @@ impl<'a> Run<'a> {
         let placeholder =
             Frame { particles: Particles::default(), contacts: None, name: String::new(), faces: None, ..job.first };
         let first = std::mem::replace(&mut job.first, placeholder);
-        let restart = job.restart;
-        let rest = job.series.map(|frame| Frame::new(settings, restart, frame?));
+        let source = &job.source;
+        let rest = job.series.map(|frame| source.frame(frame?));
         let frames = std::iter::once(Ok(first)).chain(rest).map(|frame| {
             let frame = frame?;
             self.check_types(&frame)?;
@@ -569,7 +595,7 @@ struct Job<'a> {
     cells: &'a CellSet,
     first: Frame,
     series: &'a mut BackgroundSeries,
-    restart: Option<&'a MercuryRestart>,
+    source: Source<'a>,
     over_time: OverTime,
 }
 

@@ -359,6 +359,12 @@ pub(crate) struct Settings {
     /// auto in a tilted box: where the cells are no wider than the box.
     #[arg(long, value_name = "AXES")]
     pub periodic: Option<String>,
+    /// The simulation's box, in place of that of the files; --periodic says along which axes it is periodic
+    ///
+    /// Where the file of the particles states no box, that of a dump of contacts is taken.
+    #[arg(long = "box", value_name = "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX", allow_hyphen_values = true)]
+    #[serde(rename = "box")]
+    pub bounds: Option<Numbers<f64>>,
     /// Frames START:STOP:STEP as in Python, from 0, negative ones from the end
     ///
     /// Default: all for .pvd, .stat, --average and --smooth; else the last one.
@@ -428,7 +434,7 @@ impl Settings {
         }
         either!(particles restart density mass_column radius allow_non_spherical mesh grid cells coordinates axis origin
             function width cutoff conserve fields stress_form sign walls mean_velocity gravity species per_species radii region
-            periodic frames average smooth timestep out encoding face_fields to_particles json)
+            periodic bounds frames average smooth timestep out encoding face_fields to_particles json)
     }
 
     /// What clap refuses on the command line may come from a file.
