@@ -22,9 +22,14 @@ pub(crate) enum Fault {
     Integer { column: usize, word: String },
     NotFinite { column: usize, value: f64 },
     Radius { column: usize, value: f64 },
+    Huge { column: usize, value: f64 },
+    Size { column: usize, value: f64 },
     Differs { column: usize, earlier: usize },
     Sizes { radius: (usize, f64), diameter: (usize, f64) },
 }
+
+/// Coordinates and sizes beyond this, and sizes below its reciprocal, have cubes that are no numbers.
+const LARGEST: f64 = 1e100;
 
 /// Share by which a diameter may differ from twice the radius: files are written with few digits, and wrong columns are
 /// off by factors.
@@ -50,6 +55,15 @@ impl Fault {
                 };
                 (format!("{} holds '{word}', which is no number", name(column)), remedy)
             }
+            Self::Integer { column, word } if is_long_integer(word) => (
+                format!(
+                    "{} holds '{word}', which is too large: from {} to {} can be read",
+                    name(column),
+                    i64::MIN,
+                    i64::MAX
+                ),
+                repair,
+            ),
             Self::Integer { column, word } => (format!("{} holds '{word}', which is no integer", name(column)), repair),
             Self::NotFinite { column, value } => (
                 format!("{} is {value}; positions must be finite", name(column)),
@@ -58,6 +72,18 @@ impl Fault {
             Self::Radius { column, value } => (
                 format!("{} is {value}; sizes must be above 0 and finite", name(column)),
                 "correct the row, or remove it where it is a point particle".into(),
+            ),
+            Self::Huge { column, value } => (
+                format!("{} is {value:?}; coordinates must be at most {LARGEST:?} in size", name(column)),
+                "the simulation diverged: remove the row or take an earlier frame".into(),
+            ),
+            Self::Size { column, value } => (
+                format!(
+                    "{} is {value:?}; sizes must be between {:?} and {LARGEST:?} for their volumes to be numbers",
+                    name(column),
+                    LARGEST.recip()
+                ),
+                repair,
             ),
             Self::Differs { column, earlier } => (
                 format!("{} holds another value than column {} of the same name", name(column), earlier + 1),
@@ -75,6 +101,12 @@ impl Fault {
             ),
         }
     }
+}
+
+/// Whether a word is an integer, though one of more than 64 bits.
+fn is_long_integer(word: &str) -> bool {
+    let digits = word.strip_prefix(['-', '+']).unwrap_or(word);
+    digits.len() > 18 && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Particles under construction.
@@ -129,12 +161,18 @@ impl Assembly {
             if !value.is_finite() {
                 return Err(Fault::NotFinite { column: columns.position[axis], value });
             }
+            if value.abs() > LARGEST {
+                return Err(Fault::Huge { column: columns.position[axis], value });
+            }
         }
         if let Some((column, factor)) = columns.radius {
             let value = row.numbers[column];
             // The product is checked too: half of the smallest diameter is 0.
             if !(value.is_finite() && factor * value > 0.0) {
                 return Err(Fault::Radius { column, value });
+            }
+            if !(LARGEST.recip()..=LARGEST).contains(&(factor * value)) {
+                return Err(Fault::Size { column, value });
             }
             if let Some(other) = columns.diameter.filter(|&other| columns.cells[other] == Cell::Number) {
                 let diameter = row.numbers[other];

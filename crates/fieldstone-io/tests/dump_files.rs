@@ -311,6 +311,18 @@ fn sizes_that_are_zero_negative_or_nan_are_refused_with_their_line() {
 }
 
 #[test]
+fn numbers_beyond_what_can_be_computed_with_are_refused_shortly_and_with_their_line() {
+    for (row, reason) in [
+        ("2 1e300 0 0 1", "column 2 'x' is 1e300; coordinates must be at most 1e100 in size"),
+        ("2 0 0 0 1e300", "column 5 'radius' is 1e300; sizes must be between 1e-100 and 1e100"),
+        ("99999999999999999999 0 0 0 1", "which is too large: from -9223372036854775808 to 9223372036854775807"),
+    ] {
+        let error = refused(frame(UNIT, "id x y z radius", &["1 0 0 0 1", row]));
+        assert!(error.contains(":11: ") && error.contains(reason), "{error}");
+    }
+}
+
+#[test]
 fn a_cut_frame_says_how_many_atoms_are_there() {
     let whole = frame(UNIT, "id x y z", &["1 0 0 0"]) + &frame(UNIT, "id x y z", &["1 0 0 0", "2 0 0 0", "3 0 0 0.5"]);
     let cut = whole.strip_suffix("3 0 0 0.5\n").unwrap();
