@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fieldstone_particles::{Contact, Contacts, Particles, Partner};
+use fieldstone_particles::{Contact, Contacts, Particles, ParticlesError, Partner};
 use rayon::prelude::*;
 
 use crate::{IoError, Position};
@@ -12,6 +12,9 @@ const PART: u32 = 12;
 
 /// Mirrored lines whose forces agree to this part of the force are one contact seen from its two sides.
 const MIRRORED: f64 = 1e-6;
+
+/// Pairs are listed twice where at most one in so many has no line from its other side.
+const LACKING: usize = 10;
 
 /// What was found, and the remedy: an error that does not know its file and line yet.
 pub(crate) type Refusal = (String, String);
@@ -97,9 +100,7 @@ impl<'a> ContactAssembly<'a> {
         let (mut distant, mut oblique, mut unaligned) = (0usize, 0usize, 0usize);
         for part in parts {
             for (contact, line) in part.contacts {
-                contacts.push(self.particles.len(), contact).map_err(|e| {
-                    self.at_line(line, (e.to_string(), "correct the row, or write the file again".into()))
-                })?;
+                contacts.push(self.particles.len(), contact).map_err(|e| self.at_line(line, self.refusal(e)))?;
             }
             part.failure.map_or(Ok(()), Err)?;
             distant += part.distant;
@@ -125,6 +126,18 @@ impl<'a> ContactAssembly<'a> {
             ));
         }
         Ok((contacts, warnings))
+    }
+
+    /// What is wrong with a contact, in the names that the user knows: ids, not places in a list.
+    fn refusal(&self, error: ParticlesError) -> Refusal {
+        match (error, self.particles.ids()) {
+            (ParticlesError::SelfContact { particle, .. }, ids) => {
+                let id = ids.and_then(|ids| ids.get(particle as usize)).map_or(i64::from(particle), |&id| id);
+                let found = format!("the contact is of particle {id} with itself");
+                (found, "check which columns hold the two particles; else correct the row".into())
+            }
+            (error, _) => (error.to_string(), "correct the row, or write the file again".into()),
+        }
     }
 
     fn at_line(&self, line: u64, (found, remedy): Refusal) -> IoError {
@@ -225,8 +238,9 @@ impl<'a> ContactAssembly<'a> {
 /// Which rows are the mirror image of an earlier one, and what the user should know about them.
 ///
 /// Some programs list each pair once, others twice, once from either side. A row (j, i) with the opposite force of
-/// an earlier row (i, j) is the same contact. Where every pair has rows of both kinds, the file lists pairs twice
-/// even if some forces do not mirror each other, and the user is told by how much.
+/// an earlier row (i, j) is the same contact. Where nearly every pair has rows of both kinds, the file lists pairs twice
+/// even if some forces do not mirror each other, and the user is told by how much. Where some lack the other row, the
+/// user is told how many.
 ///
 /// Rows are given in parts of 2^[`PART`], but for shorter ones.
 fn mirrored(rows: &[&[Row]]) -> (Vec<Vec<bool>>, Vec<String>) {
@@ -242,12 +256,15 @@ fn mirrored(rows: &[&[Row]]) -> (Vec<Vec<bool>>, Vec<String>) {
     let side = |at: u64| pair_of(row(at)).is_some_and(|(_, swapped)| swapped);
     let groups: Vec<&[([u32; 2], u64)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
     let distinct = |group: &&&[([u32; 2], u64)]| group[0].0[0] != group[0].0[1];
-    let both = |group: &&[([u32; 2], u64)]| {
+    let both = |group: &[([u32; 2], u64)]| {
         let swapped = group.iter().filter(|(_, at)| side(*at)).count();
         swapped > 0 && swapped < group.len()
     };
-    let listed_twice =
-        groups.par_iter().any(|group| distinct(&group)) && groups.par_iter().filter(|group| distinct(group)).all(both);
+    let all = groups.par_iter().filter(|group| distinct(group)).count();
+    let from_both = groups.par_iter().filter(|group| distinct(group) && both(group)).count();
+    let from_one = all - from_both;
+    // A file that was cut lacks the other side of a few.
+    let listed_twice = all > 0 && from_one <= all / LACKING;
     // Of each pair the rows that mirror an earlier one, and by how much they do not.
     let found: Vec<(u64, f64)> = groups
         .par_iter()
@@ -286,6 +303,12 @@ fn mirrored(rows: &[&[Row]]) -> (Vec<Vec<bool>>, Vec<String>) {
         } else {
             format!("{} pairs are listed from both sides with mirrored forces: each is taken once", found.len())
         });
+        if from_one > 0 && from_both > 0 {
+            warnings.push(format!(
+                "{from_one} of {all} pairs are listed from one side only: where the program lists every pair from both, the \
+                 file is cut or damaged, and contacts may be missing; write it again, or leave this frame out"
+            ));
+        }
     }
     if different > 0 {
         warnings.push(format!(

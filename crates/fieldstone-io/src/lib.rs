@@ -21,6 +21,7 @@ mod columns;
 mod contact_assembly;
 mod contact_columns;
 mod contact_dump;
+mod contact_repeats;
 mod contact_resolver;
 mod contact_table;
 mod contacts;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
 
-use fieldstone_particles::{Contacts, Domain, Particles};
+use fieldstone_particles::{Contacts, Domain, Particles, Partner};
 
+use crate::contact_repeats::repeated;
 use crate::{
     ContactOptions, ContactReader, FrameRange, FrameReader, FrameStamp, IoError, ParticleOptions, Position,
     open_contacts, open_particles,
@@ -66,6 +67,8 @@ pub struct Series {
     periodic: [bool; 3],
     /// Whether the user has been told where the box is from.
     told_of_box: bool,
+    /// Whether the user has been told of contacts that are listed more than once.
+    told_of_repeats: bool,
     current: Option<(PathBuf, Box<dyn FrameReader + Send>)>,
     /// The next file to open.
     next_file: usize,
@@ -86,6 +89,7 @@ impl Series {
             given_box: None,
             periodic: [false; 3],
             told_of_box: false,
+            told_of_repeats: false,
             current: None,
             next_file: 0,
             next_index: 0,
@@ -206,8 +210,36 @@ impl Series {
                     None => contacts = Some(found),
                 }
             }
+            self.look_for_repeats(&path, index, &particles, contacts.as_ref());
             return Ok(Some(SeriesFrame { index, path, particles, contacts }));
         }
+    }
+
+    /// Notes contacts that are listed more than once: all sources together, since one may be a copy of another.
+    fn look_for_repeats(&mut self, path: &Path, index: usize, particles: &Particles, contacts: Option<&Contacts>) {
+        let Some(contacts) = contacts.filter(|_| !self.told_of_repeats) else { return };
+        let Some((count, first)) = repeated(contacts) else { return };
+        self.told_of_repeats = true;
+        let id = |index: u32| particles.ids().map_or(i64::from(index), |ids| ids[index as usize]);
+        let contact = contacts.get(first);
+        let partner = match contact.partner {
+            Partner::Particle(other) => format!("particle {}", id(other)),
+            Partner::Wall(wall) => format!("wall {wall}"),
+        };
+        let files: Vec<String> = self
+            .sources
+            .iter()
+            .filter_map(|source| source.current.as_ref())
+            .map(|(path, _)| path.display().to_string())
+            .collect();
+        self.warnings.push(format!(
+            "{}: of the {} contacts of frame {index} of {}, {count} are there again with the same force and point, and count \
+             again; the first is of particle {} with {partner}: give every row, and every file, once",
+            files.join(", "),
+            contacts.len(),
+            path.display(),
+            id(contact.particle)
+        ));
     }
 
     /// The particles in their box: the one that was given, else that of their file, else that of their contacts.

@@ -127,3 +127,41 @@ fn an_unknown_mean_of_a_quantity_is_told_with_those_that_there_are() {
     let message = folder.fails(&format!("{fields} --quantity m=weight"));
     assert!(message.contains("'weight'") && !message.contains("choose one of sum"), "{message}");
 }
+
+#[test]
+fn contacts_that_are_given_twice_are_refused_or_told() {
+    let folder = grains();
+    let twice = format!("{GRAINS} --contacts ./pair.dump --contacts-preset liggghts-pair --cells 2 --out o.vti");
+    mentions(&folder.fails(&twice), &["--contacts ./pair.dump: the file is given twice, also as pair.dump"]);
+    // A copy has another name.
+    folder.copy(&folder.path("pair.dump"), "copy.dump");
+    let told = folder.succeeds(&twice.replace("./pair.dump", "copy.dump")).stderr;
+    mentions(&told, &["contacts of frame 0 of part.dump, 4 are there again", "is of particle ", "every file, once"]);
+    assert!(!folder.succeeds(&format!("{GRAINS} --cells 2 --out o.vti")).stderr.contains("there again"));
+    // The same row twice.
+    folder.write("balls.csv", "id,x,y,z,radius\n7,0,0,0,1\n9,1.9,0,0,1\n");
+    folder.write("rows.csv", "id1,id2,fx,fy,fz\n7,9,-2,0,0\n7,9,-2,0,0\n7,9,-1,0,0\n");
+    let line =
+        "fields --particles balls.csv --contacts rows.csv --density 1 --cells 2 --fields contact_stress --out o.vti";
+    mentions(
+        &folder.succeeds(line).stderr,
+        &["rows.csv: of the 3 contacts of frame 0 of balls.csv, 1 are there again", "particle 7 with particle 9"],
+    );
+    folder.write("rows.csv", "id1,id2,fx,fy,fz\n7,9,-2,0,0\n9,9,-2,0,0\n");
+    mentions(&folder.fails(line), &["rows.csv:3: the contact is of particle 9 with itself", "check which columns"]);
+}
+
+#[test]
+fn a_file_of_contacts_that_was_cut_between_two_lines_is_told_with_the_number_of_pairs() {
+    let folder = mercury();
+    let text = std::fs::read_to_string(folder.path("box.fstat")).unwrap();
+    // A third ball, and a pair of which only the first line is there.
+    let data = std::fs::read_to_string(folder.path("box.data")).unwrap();
+    let more = "0.5 0.5 1.4 0 0 0 0.5 0 0 0 0 0 0 0\n";
+    let last = data.rfind("2 1 0 0 0 2 1 1").unwrap();
+    folder.write("box.data", data[last..].replacen('2', "3", 1) + more);
+    let last = text.rfind("# 1 1\n").unwrap();
+    folder.write("box.fstat", format!("{}1 0 2 0.5 0.5 1 0.1 0 2 0 0 0 -1 0 0 0\n", &text[last..]));
+    let told = folder.succeeds(&format!("{MERCURY} --out o.vti")).stderr;
+    mentions(&told, &["1 of 2 pairs are listed from one side only", "cut or damaged", "leave this frame out"]);
+}

@@ -11,6 +11,7 @@ mod output;
 mod settings;
 
 use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -109,6 +110,7 @@ impl<'a> Run<'a> {
         let contacts: Vec<ContactFiles> = (settings.contacts.0.iter())
             .map(|source| Ok(ContactFiles { files: find_files(&source.file)?, options: source.options() }))
             .collect::<anyhow::Result<_>>()?;
+        refuse_repeats(&contacts)?;
         let inputs: Vec<&Path> = (files.iter().chain(contacts.iter().flat_map(|source| &source.files)))
             .map(PathBuf::as_path)
             .chain(settings.restart.as_deref())
@@ -580,6 +582,22 @@ const MOST_SPECIES: usize = 64;
 
 /// What crosses the faces in a frame, with its periodic box.
 type FacesInBox<'a> = dyn Fn(&Frame, Option<&Domain>) -> Result<FaceSums, FieldsError> + Sync + 'a;
+
+/// Refuses a file of contacts that is given twice: each of its contacts would count twice.
+fn refuse_repeats(contacts: &[ContactFiles]) -> anyhow::Result<()> {
+    let mut seen: HashMap<PathBuf, &Path> = HashMap::new();
+    for path in contacts.iter().flat_map(|source| &source.files) {
+        let Ok(real) = path.canonicalize() else { continue };
+        if let Some(before) = seen.insert(real, path) {
+            let also = if before == path { String::new() } else { format!(", also as {}", before.display()) };
+            bail!(
+                "--contacts {}: the file is given twice{also}, and each of its contacts would count twice; give every file once",
+                path.display()
+            );
+        }
+    }
+    Ok(())
+}
 
 /// What a field is called where it has been brought back to the particles.
 fn particle_field(field: &Field) -> String {
