@@ -170,3 +170,47 @@ fn frame_at(step: u32) -> String {
          ITEM: ATOMS id x y z radius\n1 .5 .5 .5 .1\n"
     )
 }
+
+#[test]
+fn frames_whose_times_do_not_rise_are_told_and_have_no_displacements() {
+    let folder = Folder::new();
+    for (steps, times) in [([4500, 4000], "its time is 4000"), ([4000, 4000], "its time is 4000")] {
+        folder.write("a.dump", steps.map(frame_at).concat());
+        let fields = "fields --particles a.dump --density 1 --cells 1 --fields";
+        let told = folder.succeeds(&format!("{fields} density --out o.pvd")).stderr;
+        let before = format!("frame 0, is {}", steps[0]);
+        mentions(&told, &["a.dump, frame 1", times, &before, "times do not rise"]);
+        for (options, what) in
+            [("displacement --out d.pvd", "displacement"), ("density --smooth 100 --out d.pvd", "--smooth")]
+        {
+            let message = folder.fails(&format!("{fields} {options}"));
+            mentions(&message, &["a.dump, frame 1", times, &before, &format!("{what} needs times that rise")]);
+            assert!(!folder.path("d.pvd").exists());
+        }
+    }
+    folder.write("a.dump", [4000, 4500].map(frame_at).concat());
+    let told = folder.succeeds("fields --particles a.dump --density 1 --cells 1 --fields displacement --out o.pvd");
+    assert!(!told.stderr.contains("times do not rise"));
+}
+
+#[test]
+fn the_number_in_the_name_is_the_step_where_files_state_neither_step_nor_time() {
+    let folder = Folder::new();
+    for step in [26000, 26500, 30000] {
+        folder.write(&format!("part_{step}.csv"), "x,y,z,radius\n.5,.5,.5,.1\n");
+        folder.write(&format!("{}.csv", ["a", "b", "c"][step % 3]), "x,y,z,radius\n.5,.5,.5,.1\n");
+    }
+    let times = |options: &str| {
+        let told =
+            folder.succeeds(&format!("fields {options} --density 1 --cells 1 --fields density --out o.pvd")).stderr;
+        let steps = vtk::read_pvd(&folder.path("o.pvd")).unwrap();
+        (steps.into_iter().map(|(time, _)| time).collect::<Vec<_>>(), told)
+    };
+    assert_eq!(times("--particles part_*.csv").0, [26000.0, 26500.0, 30000.0]);
+    let (found, told) = times("--particles part_*.csv --timestep 0.5 --frames 1:");
+    assert_eq!(found, [13250.0, 15000.0]);
+    assert!(!told.contains("equally spaced"), "{told}");
+    let (found, told) = times("--particles ?.csv --timestep 0.5");
+    assert_eq!(found, [0.0, 0.5, 1.0]);
+    mentions(&told, &["a.csv: the frames state neither time nor step", "equally spaced, 0.5 apart"]);
+}

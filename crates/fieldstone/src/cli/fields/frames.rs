@@ -11,6 +11,7 @@ use fieldstone::mesh::Cells;
 use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
 use rayon::prelude::*;
 
+use super::clock::Clock;
 use super::faces::{FaceFields, FaceSums};
 use super::settings::Settings;
 
@@ -27,16 +28,11 @@ pub(super) struct Frame {
     pub faces: Option<FaceSums>,
 }
 
-/// Time that a frame is taken to be of: its own, else by its step, else its place in the series.
-pub(super) fn time_of(settings: &Settings, index: usize, particles: &Particles) -> f64 {
-    let steps = || particles.step().map_or(index as f64, |step| step as f64);
-    particles.time().unwrap_or_else(|| settings.timestep.unwrap_or(1.0) * steps())
-}
-
 /// What frames are completed with.
 pub(super) struct Source<'a> {
     pub settings: &'a Settings,
     pub restart: Option<&'a MercuryRestart>,
+    pub clock: &'a Clock,
     /// In place of the files' box.
     pub bounds: Option<Domain>,
 }
@@ -76,7 +72,7 @@ impl Source<'_> {
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;
         }
-        let time = time_of(settings, index, &particles);
+        let time = self.clock.time_of(&path, index, &particles);
         Ok(Frame { index, time, name, particles, contacts, faces: None })
     }
 }

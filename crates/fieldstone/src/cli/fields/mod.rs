@@ -3,6 +3,7 @@
 mod account;
 mod binned;
 mod cells;
+mod clock;
 mod contacts;
 mod faces;
 mod frames;
@@ -21,9 +22,7 @@ use fieldstone::fields::{
     CoarseGrainingOptions, Field, FieldName, Fields, FieldsError, Function, Kernel, Method, Selection, UserQuantity,
     Weights, field_at_particles,
 };
-use fieldstone::io::{
-    BackgroundSeries, ContactFiles, FrameRange, ParticleOptions, Series, find_files, read_restart,
-};
+use fieldstone::io::{BackgroundSeries, ContactFiles, FrameRange, ParticleOptions, Series, find_files, read_restart};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -32,8 +31,9 @@ use super::arguments::{Periodic, available_memory};
 use super::{outputs, report};
 use account::{Account, Seen};
 use cells::{CellSet, bytes_per_cell};
+use clock::{Clock, TimeOrder};
 use faces::FaceSums;
-use frames::{Frame, Outcome, OverTime, Plan, Source, compute, time_of, with_displacements};
+use frames::{Frame, Outcome, OverTime, Plan, Source, compute, with_displacements};
 use names::ascii;
 pub(crate) use names::mercury_name;
 use output::{CellKind, Content, Format, Writer, check_side};
@@ -261,9 +261,12 @@ impl<'a> Run<'a> {
         text.parse().map_err(|e| anyhow!("--frames: {e}"))
     }
 
+    fn particle_options(&self) -> ParticleOptions {
+        ParticleOptions { allow_non_spherical: self.settings.allow_non_spherical.unwrap_or(false) }
+    }
+
     fn series(&self, with_contacts: bool) -> Series {
-        let options = ParticleOptions { allow_non_spherical: self.settings.allow_non_spherical.unwrap_or(false) };
-        let series = Series::new(self.files.clone(), options).with_range(self.range);
+        let series = Series::new(self.files.clone(), self.particle_options()).with_range(self.range);
         let series = match self.periodic {
             Periodic::Given(axes) => series.with_periodic(axes),
             Periodic::Auto => series,
@@ -277,22 +280,22 @@ impl<'a> Run<'a> {
     }
 
     /// The middle of the frames' times.
-    fn middle(&self) -> anyhow::Result<f64> {
+    fn middle(&self, clock: &Clock) -> anyhow::Result<f64> {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for frame in self.series(false) {
             let frame = frame?;
-            let time = time_of(self.settings, frame.index, &frame.particles);
+            let time = clock.time_of(&frame.path, frame.index, &frame.particles);
             (low, high) = (low.min(time), high.max(time));
         }
         Ok(0.5 * (low + high))
     }
 
-    fn over_time(&self) -> anyhow::Result<OverTime> {
+    fn over_time(&self, clock: &Clock) -> anyhow::Result<OverTime> {
         Ok(match self.settings.smooth {
             _ if self.settings.average == Some(true) => OverTime::Mean,
             None => OverTime::Each,
             Some(width) if self.format.is_series() => OverTime::SmoothEach(width),
-            Some(width) => OverTime::SmoothAt { width, at: self.middle()? },
+            Some(width) => OverTime::SmoothAt { width, at: self.middle(clock)? },
         })
     }
 
@@ -301,13 +304,17 @@ impl<'a> Run<'a> {
         if let Some(restart) = &restart {
             restart.warnings.iter().for_each(|warning| report::warn(warning));
         }
-        let over_time = self.over_time()?;
         let mut series = self.series(true).in_background(rayon::current_num_threads())?;
         let Some(first) = series.next().transpose()? else {
             let count = self.series(false).count_frames()?;
             bail!("{}: {}; check --frames", self.files[0].display(), self.range.why_empty(count))
         };
-        let source = Source { settings: self.settings, restart: restart.as_ref(), bounds: self.bounds };
+        let (clock, note) = Clock::new(&self.files, self.particle_options(), self.settings.timestep, &first.particles)?;
+        if let Some(note) = note.filter(|_| self.settings.timestep.is_some() || self.settings.smooth.is_some()) {
+            report::warn(&note);
+        }
+        let over_time = self.over_time(&clock)?;
+        let source = Source { settings: self.settings, restart: restart.as_ref(), clock: &clock, bounds: self.bounds };
         let first = source.frame(first)?;
         first.particles.radii().map_err(|e| anyhow!("{}: {e}; give one for all with --radius", first.name))?;
         self.options.quantities = self.quantities(&first)?;
@@ -354,7 +361,9 @@ impl<'a> Run<'a> {
         faces: Option<&FacesInBox<'_>>,
         job: &mut Job<'_>,
     ) -> anyhow::Result<Account> {
-        if matches!(self.periodic, Periodic::Given(axes) if axes != [false; 3]) && job.first.particles.domain().is_none() {
+        if matches!(self.periodic, Periodic::Given(axes) if axes != [false; 3])
+            && job.first.particles.domain().is_none()
+        {
             bail!("--periodic: {}: the files state no box; give it with --box", job.first.name);
         }
         let (domain, note) = self.periodic.domain(&job.first.particles, cells.bounds())?;
@@ -370,6 +379,12 @@ impl<'a> Run<'a> {
             ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
         bar.enable_steady_tick(Duration::from_millis(200));
         let seen = RefCell::new(Seen::default());
+        let refused = match (self.displaced(), self.settings.smooth.is_some()) {
+            (true, _) => Some("displacement"),
+            (_, true) => Some("--smooth"),
+            _ => None,
+        };
+        let order = RefCell::new(TimeOrder::new(refused));
         let changed = Cell::new(false);
         let first_box = job.first.particles.domain().copied();
         let settings = self.settings;
@@ -384,6 +399,7 @@ impl<'a> Run<'a> {
         let frames = std::iter::once(Ok(first)).chain(rest).map(|frame| {
             let frame = frame?;
             self.check_types(&frame)?;
+            order.borrow_mut().add(frame.time, &frame.name)?;
             changed.set(changed.get() || frame.particles.domain().copied() != first_box);
             let mut seen = seen.borrow_mut();
             seen.frames += 1;
@@ -443,6 +459,9 @@ impl<'a> Run<'a> {
         }
         self.check_binned(cells, &results)?;
         writer.finish()?;
+        if let Some(warning) = order.borrow().warning() {
+            report::warn(&warning);
+        }
         if changed.get() && domain.is_some() {
             report::warn("the box changes between frames: periodic images are those of the first frame's box");
         }

@@ -378,6 +378,8 @@ pub(crate) struct Settings {
     #[arg(long, value_name = "W", value_parser = positive, allow_negative_numbers = true)]
     pub smooth: Option<f64>,
     /// Time per step, for files that state steps and no times [default: 1]
+    ///
+    /// Where files state neither, the number that rises in their names is the step, as in part_26000.vtk, else their place.
     #[arg(long, value_name = "DT", value_parser = positive, allow_negative_numbers = true)]
     pub timestep: Option<f64>,
     /// Result: .vti (grid), .vtu (mesh), .pvd (one of them per frame), .csv, or .stat (MercuryCG's layout)
