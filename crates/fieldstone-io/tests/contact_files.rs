@@ -233,7 +233,7 @@ fn damaged_rows_are_named_with_their_line() {
     };
     for (from, to, expected) in [
         (" 9922 8865 ", " 9923 8865 ", ":10: the contact names particle 9923, which is not among the 5"),
-        (" 9922 8865 ", " 8865 8865 ", "is of particle 3 with itself"),
+        (" 9922 8865 ", " 8865 8865 ", ":10: the contact is of particle 8865 with itself"),
         (" 9922 8865 ", " 9922.5 8865 ", ":10: column 13 'c_pp[13]' holds '9922.5', which is no integer"),
         (" 0.0032073678012 ", " nan ", ":10: column 16 'c_pp[16]' is NaN"),
         (" 0.0032073678012 ", " 0.003x ", ":10: column 16 'c_pp[16]' holds '0.003x'"),
