@@ -1,7 +1,7 @@
 //! Flows that were measured, beside the measurements: no time is shifted, no parameter fitted.
 //!
-//! Those with bodies or impacts go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower;
-//! the column needs it, or gaps open in the water that slows down.
+//! Buchner's and SPHERIC's go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower; the
+//! column has it, or gaps open in the water that slows down.
 
 mod buchner;
 mod column;
