@@ -13,6 +13,8 @@ pub enum Kernel {
     ///
     /// $$ W = \frac{e^{-q^2} - e^{-9}}{\pi^{d/2} h^d (1 - 10\,e^{-9})} $$
     ///
+    /// The constant is as printed for both dimensions: the integral is 1 in two, and 1.0017 in three.
+    ///
     /// Source: `marrone2010`, `wang2019`.
     ImprovedGaussian,
 }
