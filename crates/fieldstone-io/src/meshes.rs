@@ -24,12 +24,16 @@ enum Format {
     Unknown(&'static str),
 }
 
-fn format_of(path: &Path) -> Result<Format, IoError> {
-    let folder = |p: &Path| p.is_dir();
+/// Whether a path stands for an OpenFOAM mesh if for any: folders, and files of a mesh's folder.
+pub(crate) fn is_openfoam(path: &Path) -> bool {
     let in_poly_mesh = path.parent().is_some_and(|p| p.file_name().is_some_and(|n| n == "polyMesh"));
     // ParaView's empty marker file stands for the case that it lies in.
     let marker = path.extension().is_some_and(|e| e == "foam");
-    if folder(path) || in_poly_mesh || marker {
+    path.is_dir() || in_poly_mesh || marker
+}
+
+fn format_of(path: &Path) -> Result<Format, IoError> {
+    if is_openfoam(path) {
         return Ok(Format::OpenFoam);
     }
     let mut start = Vec::new();

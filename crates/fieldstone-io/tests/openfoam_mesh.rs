@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 
 use fieldstone_geometry::ElementKind;
-use fieldstone_io::openfoam::read_poly_mesh;
+use fieldstone_io::openfoam::{has_case_order, is_same_mesh, mesh_of_time, read_poly_mesh};
 use fieldstone_mesh::{Mesh, MeshParts};
 use fieldstone_testing::{data, extended, read_text};
 
@@ -346,7 +346,13 @@ fn a_decomposed_case_is_joined_into_the_mesh_that_it_was_cut_from() {
         assert_eq!(a.0, b.0);
         assert!((a.1 - b.1).abs() < 1e-15);
     }
-    // Cells follow the processors, and each processor says which cell of the whole mesh its own are.
+    // Without the list of its cells' numbers in one of the parts, cells follow the processors.
+    let copied = tempfile::tempdir().unwrap();
+    copy(&case, copied.path());
+    assert!(has_case_order(copied.path()).unwrap());
+    fs::remove_file(copied.path().join("processor1/constant/polyMesh/cellProcAddressing")).unwrap();
+    assert!(!has_case_order(copied.path()).unwrap());
+    let joined = read_poly_mesh(copied.path()).unwrap();
     let part: Vec<usize> = (0..4)
         .flat_map(|p| {
             let text = read_text(&case.join(format!("processor{p}/constant/polyMesh/cellProcAddressing")));
@@ -358,6 +364,71 @@ fn a_decomposed_case_is_joined_into_the_mesh_that_it_was_cut_from() {
     for (cell, &original) in part.iter().enumerate() {
         assert_eq!(joined.cell_bounds(cell), whole.cell_bounds(original));
     }
+}
+
+#[test]
+fn cells_of_a_decomposed_case_are_in_the_order_of_the_case_that_it_was_cut_from() {
+    let case = data("openfoam/decomposed");
+    let (whole, joined) = (read_poly_mesh(&case.join("whole")).unwrap(), read_poly_mesh(&case).unwrap());
+    for cell in 0..12 {
+        assert_eq!(joined.cell_bounds(cell), whole.cell_bounds(cell), "cell {cell}");
+    }
+    // Zones too, and faces point from the smaller number to the larger.
+    assert_eq!(joined.parts().zones, whole.parts().zones);
+    let j = joined.parts();
+    assert!(j.owner.iter().zip(&j.neighbour).all(|(owner, neighbour)| owner < neighbour));
+    assert!(joined.inverted_cells().is_empty());
+}
+
+#[test]
+fn the_mesh_of_a_time_is_the_latest_that_moved_up_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path();
+    assert_eq!(mesh_of_time(&case.join("1")), None);
+    copy(&data("openfoam/decomposed/whole"), case);
+    fs::create_dir_all(case.join("0.5/polyMesh")).unwrap();
+    fs::copy(case.join("constant/polyMesh/points"), case.join("0.5/polyMesh/points")).unwrap();
+    assert_eq!(mesh_of_time(&case.join("0")), Some(case.into()));
+    for time in ["0.5", "0.50", "10"] {
+        assert_eq!(mesh_of_time(&case.join(time)), Some(case.join("0.5")));
+    }
+    assert!(is_same_mesh(case, &case.join("constant/polyMesh/faces")));
+    // The points are other ones.
+    assert!(!is_same_mesh(case, &case.join("0.5")));
+    // A file beside the case's folders is no part of it.
+    fs::write(case.join("other.msh"), "").unwrap();
+    assert!(!is_same_mesh(case, &case.join("other.msh")));
+}
+
+#[test]
+fn numbers_of_cells_that_do_not_fit_the_parts_are_refused() {
+    let case = tempfile::tempdir().unwrap();
+    copy(&data("openfoam/decomposed"), case.path());
+    let file = case.path().join("processor1/constant/polyMesh/cellProcAddressing");
+    let plain = fs::read_to_string(&file).unwrap();
+    let refused = |list: &str| {
+        fs::write(&file, plain.replace("3(2 4 5)", list)).unwrap();
+        read_poly_mesh(case.path()).unwrap_err().to_string()
+    };
+    for (list, found) in [
+        ("3(2 4 12)", "cell 2 is cell 12 of the whole case, but the parts have 12 cells"),
+        ("3(2 4 3)", "cell 2 is cell 3 of the whole case, which another cell is already"),
+        ("2(2 4)", "cellProcAddressing has 2 entries, but this part has 3 cells"),
+    ] {
+        let e = refused(list);
+        assert!(e.contains("processor1") && e.contains(found) && e.contains("remove the file"), "{e}");
+    }
+}
+
+#[test]
+fn the_regions_of_a_case_are_named_where_it_has_no_mesh_of_its_own() {
+    let case = tempfile::tempdir().unwrap();
+    for region in ["air", "steel"] {
+        copy(&data("openfoam/decomposed/whole/constant"), &case.path().join("constant").join(region));
+    }
+    let e = read_poly_mesh(case.path()).unwrap_err().to_string();
+    assert!(e.contains("constant/air, ") && e.contains("constant/steel"), "{e}");
+    assert_eq!(read_poly_mesh(&case.path().join("constant/air")).unwrap().cell_count(), 12);
 }
 
 #[test]

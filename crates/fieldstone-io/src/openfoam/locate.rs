@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::meshes::is_openfoam;
 use crate::{IoError, Position};
 
 /// Folders that hold the files of one mesh.
@@ -74,11 +75,18 @@ pub(super) fn locate(path: &Path) -> Result<Located, IoError> {
         .collect();
     processors.sort();
     if processors.is_empty() {
+        let regions = regions(path);
         let remedy = if folders.iter().any(|(name, _)| name.starts_with("processors")) {
             "the case is decomposed in the collated format, which is not supported: reconstruct the mesh \
              (reconstructParMesh), or decompose with -fileHandler uncollated"
+                .into()
+        } else if !regions.is_empty() {
+            format!(
+                "there are meshes further down (of regions, or other cases); give one of them: {}",
+                regions.join(", ")
+            )
         } else {
-            "give a case folder, its constant or time folder, a polyMesh folder, or a processorN folder"
+            "give a case folder, its constant or time folder, a polyMesh folder, or a processorN folder".to_string()
         };
         return Err(IoError::content(path, Position::File, "no polyMesh was found here", remedy));
     }
@@ -95,6 +103,47 @@ pub(super) fn locate(path: &Path) -> Result<Located, IoError> {
         })?);
     }
     Ok(Located::Decomposed(meshes))
+}
+
+/// The folders of a case's regions that have a mesh, or of cases in this folder; the first of very many.
+fn regions(case: &Path) -> Vec<String> {
+    let inside = [case.join("constant"), case.to_path_buf()].into_iter().flat_map(|p| folders(&p).unwrap_or_default());
+    inside.filter(|(_, p)| mesh_below(p).is_some()).map(|(_, p)| p.display().to_string()).take(10).collect()
+}
+
+/// The mesh that OpenFOAM reads fields of a time folder on, as a path for [`super::read_poly_mesh`]: that of the latest time up
+/// to the folder's own which has points, else the one in `constant`. None where the case has no mesh.
+///
+/// The time folder itself need not exist.
+///
+/// ```no_run
+/// let mesh = fieldstone_io::openfoam::mesh_of_time("stirrer/0.5".as_ref());
+/// println!("{mesh:?}");
+/// ```
+pub fn mesh_of_time(time_folder: &Path) -> Option<PathBuf> {
+    let time = time_of(time_folder)?;
+    let case = time_folder.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let moved = folders(case).unwrap_or_default().into_iter().filter_map(|(_, p)| Some((time_of(&p)?, p)));
+    let moved = moved.filter(|(t, p)| *t <= time && existing(&p.join("polyMesh"), "points").is_some());
+    let latest = moved.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p);
+    latest.or_else(|| existing(&case.join("constant/polyMesh"), "points").map(|_| case.into()))
+}
+
+/// Whether two paths stand for the same files of a mesh.
+///
+/// ```no_run
+/// use fieldstone_io::openfoam::is_same_mesh;
+/// assert!(is_same_mesh("bed".as_ref(), "bed/constant/polyMesh".as_ref()));
+/// ```
+pub fn is_same_mesh(a: &Path, b: &Path) -> bool {
+    let files = |path: &Path| match locate(path) {
+        Ok(Located::Whole(found)) if is_openfoam(path) => {
+            Some([found.points.canonicalize().ok()?, found.topology.canonicalize().ok()?])
+        }
+        _ => None,
+    };
+    let (a, b) = (files(a), files(b));
+    a.is_some() && a == b
 }
 
 /// The mesh in `path`, `path/polyMesh` or `path/constant/polyMesh`, the first that has any of the files.

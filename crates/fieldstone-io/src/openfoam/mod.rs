@@ -5,6 +5,7 @@
 //! beside or instead of them are read alike.
 
 mod boundary;
+mod case_order;
 mod decomposed;
 mod fields;
 mod header;
@@ -14,8 +15,10 @@ mod locate;
 mod poly_mesh;
 mod stream;
 
+pub use case_order::has_case_order;
 pub use fields::{
     Dimensions, FieldEncoding, InternalField, InternalValues, VolField, read_internal_field, write_vol_field,
 };
 pub use lagrangian::read_cloud;
+pub use locate::{is_same_mesh, mesh_of_time};
 pub use poly_mesh::read_poly_mesh;

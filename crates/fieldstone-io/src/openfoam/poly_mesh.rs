@@ -7,6 +7,7 @@ use fieldstone_mesh::{Mesh, MeshParts};
 use crate::{IoError, Position};
 
 use super::boundary::{BoundaryPatch, read_boundary, read_cell_zones};
+use super::case_order::{case_order, renumber_cells};
 use super::decomposed::join;
 use super::list::{Complaint, ListStart, NO_LABEL};
 use super::locate::{Located, MeshFolders, existing, locate, required};
@@ -18,10 +19,10 @@ use super::stream::Stream;
 /// `processorN` folder. Text and binary files of any label and scalar width are read, plain or `.gz`. A time
 /// folder with points only takes its faces from the latest earlier time that has them, or from `constant`.
 ///
-/// A case without a mesh of its own but with `processor0…N` is read as one mesh: cells in the order of the
-/// processors (not that of the undecomposed case), `processor` patches turned back into internal faces, patches
-/// and zones of one name joined. Pieces of cyclic patches (`processorCyclic`) are added to the patch that they
-/// were cut from.
+/// A case without a mesh of its own but with `processor0…N` is read as one mesh: `processor` patches turned back into
+/// internal faces, patches and zones of one name joined. Pieces of cyclic patches (`processorCyclic`) are added to the
+/// patch that they were cut from. Cells are in the order of the undecomposed case where every part has a
+/// `cellProcAddressing`, else in that of the processors ([`has_case_order`] tells).
 ///
 /// # Errors
 /// [`IoError`] with file and line, or byte in binary files, for a missing or damaged file, counts that do not
@@ -41,7 +42,12 @@ pub fn read_poly_mesh(path: &Path) -> Result<Mesh, IoError> {
             for folders in &parts {
                 meshes.push((read_folders(folders)?, folders.topology.clone()));
             }
-            (join(meshes)?, path.to_path_buf())
+            let order = case_order(&meshes)?;
+            let mut whole = join(meshes)?;
+            if let Some(order) = order {
+                renumber_cells(&mut whole.parts, &order);
+            }
+            (whole, path.to_path_buf())
         }
     };
     let mut parts = raw.parts;
