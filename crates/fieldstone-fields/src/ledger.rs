@@ -17,7 +17,7 @@ pub struct Ledger {
     pub binned_volume: f64,
     /// Volume of particles outside all cells.
     pub clipped_volume: f64,
-    /// Largest solid fraction of a cell.
+    /// Largest solid fraction of a cell, before smoothing and cap.
     pub max_solid_fraction: f64,
     /// Cells with a solid fraction above 1 (by more than 1e-12): particles that overlap each other, or an
     /// approximation at work.

@@ -32,10 +32,19 @@ pub struct SolidFraction {
     pub solid_fraction: Vec<f64>,
     /// 1 − solid fraction.
     pub void_fraction: Vec<f64>,
-    /// The solid fraction before smoothing and cap, where either was asked for.
+    /// The solid fraction before the cap, smoothed where asked for; there where a cap was asked for.
+    pub uncapped: Option<Vec<f64>>,
+    /// The solid fraction before smoothing and cap, where smoothing was asked for.
     pub unsmoothed: Option<Vec<f64>>,
     /// Where the volume went.
     pub ledger: Ledger,
+}
+
+impl SolidFraction {
+    /// Largest number of `solid_fraction`, smoothed and capped as that is; the ledger has the largest one before.
+    pub fn max_written(&self) -> f64 {
+        self.solid_fraction.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 /// Solid fraction of every cell.
@@ -124,11 +133,12 @@ pub fn solid_fraction_observed<C: Cells>(
         overlaps: weights.path_counts().evaluated,
         beyond_f64: weights.path_counts().beyond_f64,
     };
-    let changed = options.smoothing_length != 0.0 || options.cap.is_some();
+    let smoothed = options.smoothing_length != 0.0;
     let mut fraction = exact.clone();
-    if options.smoothing_length != 0.0 {
+    if smoothed {
         fraction = over_cells(&smooth_conservatively(cells, &solid_volume, options.smoothing_length)?);
     }
+    let uncapped = options.cap.is_some().then(|| fraction.clone());
     if let Some(cap) = options.cap {
         fraction.iter_mut().for_each(|f| *f = f.min(cap));
     }
@@ -136,7 +146,8 @@ pub fn solid_fraction_observed<C: Cells>(
         solid_volume,
         void_fraction: fraction.iter().map(|f| 1.0 - f).collect(),
         solid_fraction: fraction,
-        unsmoothed: changed.then_some(exact),
+        uncapped,
+        unsmoothed: smoothed.then_some(exact),
         ledger,
     })
 }

@@ -155,11 +155,15 @@ fn cap_and_smoothing_keep_the_plain_field_beside_theirs() {
     let grid = Grid::new([0.0; 3], [1.0; 3], [4; 3]).unwrap();
     let particles = cloud(80, 0.12, 6);
     let plain = solid_fraction(&grid, &particles, &SolidFractionOptions::default()).unwrap();
-    assert!(plain.unsmoothed.is_none());
+    assert!(plain.unsmoothed.is_none() && plain.uncapped.is_none());
     let options = SolidFractionOptions { smoothing_length: 0.3, cap: Some(0.6), ..Default::default() };
     let result = solid_fraction(&grid, &particles, &options).unwrap();
     assert_eq!(result.unsmoothed.as_ref(), Some(&plain.solid_fraction));
     assert!(result.solid_fraction.iter().all(|&f| f <= 0.6));
+    let smooth = SolidFractionOptions { cap: None, ..options };
+    let smooth = solid_fraction(&grid, &particles, &smooth).unwrap();
+    assert_eq!(result.uncapped.as_ref(), Some(&smooth.solid_fraction));
+    assert!(smooth.uncapped.is_none());
     assert_eq!(result.ledger, plain.ledger);
     assert!(solid_fraction(&grid, &particles, &SolidFractionOptions { cap: Some(0.0), ..Default::default() }).is_err());
 }

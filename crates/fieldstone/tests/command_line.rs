@@ -182,6 +182,7 @@ fn the_summary_has_the_documented_keys_in_their_order() {
         "binned_volume",
         "clipped_volume",
         "max_solid_fraction",
+        "max_written_fraction",
         "cells_above_one",
         "inverted_cells",
         "seconds",
@@ -288,14 +289,77 @@ fn smoothing_conserves_volume_the_cap_bounds_and_both_keep_the_plain_field() {
     assert!(highest(&smooth) < 0.9 * highest(&plain), "{} {}", highest(&smooth), highest(&plain));
 
     run("--cap 0.3");
-    assert_eq!(column(&folder, "o.vtu", "solid_fraction_unsmoothed"), plain);
+    assert_eq!(column(&folder, "o.vtu", "solid_fraction_uncapped"), plain);
+    // Nothing was smoothed, so nothing is called unsmoothed.
+    assert!(vtk::read_vtk(&folder.path("o.vtu")).unwrap().array("solid_fraction_unsmoothed").is_none());
     assert_eq!(column(&folder, "o.vtu", "solid_fraction"), plain.iter().map(|f| f.min(0.3)).collect::<Vec<_>>());
     let void = column(&folder, "o.vtu", "void_fraction");
     assert_eq!(void, plain.iter().map(|f| 1.0 - f.min(0.3)).collect::<Vec<_>>());
 
     folder.succeeds("fraction --mesh case --particles balls.csv --out case/0 --cap 0.3");
-    let kept = read_internal_field(&folder.path("case/0/alpha.solids.unsmoothed")).unwrap();
+    let kept = read_internal_field(&folder.path("case/0/alpha.solids.uncapped")).unwrap();
     assert_eq!(kept.values(19).unwrap(), plain);
+}
+
+#[test]
+fn volume_that_is_counted_twice_is_not_called_outside_the_mesh() {
+    let folder = Folder::new();
+    folder.write(
+        "box.dump",
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n\
+         ITEM: ATOMS id x y z radius\n1 0.25 0.5 0.5 0.25\n",
+    );
+    let run =
+        folder.succeeds("fraction --grid 0,2,0,1,0,1 --cells 4,2,2 --particles box.dump --periodic x --out o.vti");
+    let line = run.stdout.lines().find(|line| line.starts_with("counted twice ")).unwrap();
+    assert!(line.contains("(100.0000 %, in cells that overlap each other or repeat the periodic box)"), "{line}");
+    assert!(!run.stdout.contains("outside the mesh"), "{}", run.stdout);
+}
+
+/// Turns each face of a plain copy of the mesh the other way round.
+fn turn_faces(text: &str) -> String {
+    let line = |line: &str| match line.strip_suffix(')').and_then(|l| l.split_once('(')) {
+        Some((count, corners)) if !count.is_empty() => {
+            let corners: Vec<&str> = corners.split_whitespace().rev().collect();
+            format!("{count}({})\n", corners.join(" "))
+        }
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn cells_that_are_inside_out_are_named() {
+    let folder = Folder::new();
+    folder.copy(&data("openfoam/decomposed/whole"), "case");
+    folder.write("balls.csv", BALLS);
+    let faces = folder.path("case/constant/polyMesh/faces");
+    let turned = turn_faces(&std::fs::read_to_string(&faces).unwrap());
+    std::fs::write(&faces, turned).unwrap();
+    let run = folder.succeeds("fraction --mesh case --particles balls.csv --out o.vtu");
+    let found = "case: 12 cells are inside out (cells 0, 1, 2, 3, 4, …, from 0)";
+    assert!(run.stderr.contains(found) && run.stderr.contains("counted twice"), "{}", run.stderr);
+}
+
+#[test]
+fn with_smoothing_and_cap_the_field_before_each_is_kept_and_both_maxima_are_told() {
+    let folder = small_case();
+    let run = |options: &str| {
+        let command = format!("fraction --mesh case --particles balls.csv --out o.vtu --json o.json {options}");
+        folder.succeeds(&command)
+    };
+    run("");
+    let plain = column(&folder, "o.vtu", "solid_fraction");
+    run("--smooth 0.3");
+    let smooth = column(&folder, "o.vtu", "solid_fraction");
+    let text = run("--smooth 0.3 --cap 0.05");
+    assert_eq!(column(&folder, "o.vtu", "solid_fraction_uncapped"), smooth);
+    assert_eq!(column(&folder, "o.vtu", "solid_fraction_unsmoothed"), plain);
+    assert_eq!(column(&folder, "o.vtu", "solid_fraction"), smooth.iter().map(|f| f.min(0.05)).collect::<Vec<_>>());
+    let highest = plain.iter().copied().fold(0.0, f64::max);
+    assert!(text.contains(&format!("max solid fraction   {highest}\n  smoothed and capped 0.05\n")), "{text}");
+    let json = std::fs::read_to_string(folder.path("o.json")).unwrap();
+    assert!(json.contains("\"max_written_fraction\": 0.05"), "{json}");
 }
 
 #[test]

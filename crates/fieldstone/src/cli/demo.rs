@@ -51,7 +51,7 @@ impl Demo {
         timing.measure("picture", || picture(&png, &mesh, &particles, &outcome.fields.solid_fraction))?;
 
         let inverted = mesh.inverted_cells().len();
-        let mut text = report::ledger(&outcome.fields.ledger, inverted);
+        let mut text = report::ledger(&outcome.fields, inverted);
         text.push_str("\nThe same packing by the approximations in use elsewhere:\n\n");
         text.push_str(&comparison(&mesh, &particles, &outcome.fields.solid_fraction)?);
         let _ = write!(text, "\n{}", timing.table());

@@ -54,19 +54,21 @@ pub(crate) struct Fraction {
     out: PathBuf,
     /// Also write the summary as JSON
     ///
-    /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume, max_solid_fraction,
-    /// cells_above_one, inverted_cells, seconds with read, search, overlap, write; overlaps evaluated, and beyond_f64, how
-    /// many of them needed more than 64-bit floats.
+    /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume (below 0 where volume is counted
+    /// twice), max_solid_fraction before smoothing and cap, max_written_fraction after them, cells_above_one, inverted_cells,
+    /// seconds with read, search, overlap, write; overlaps evaluated, and beyond_f64, how many of them needed more than
+    /// 64-bit floats.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Real particles per simulated one: a number, or the name of a column
     #[arg(long, value_name = "COLUMN|W", allow_negative_numbers = true)]
     parcel_weight: Option<ParcelWeight>,
     /// Smooth conservatively over this length (standard deviation of the Gaussian, in the input's unit); the unsmoothed
-    /// field is kept
+    /// field is kept as solid_fraction_unsmoothed
     #[arg(long, value_name = "LENGTH", value_parser = not_negative, allow_negative_numbers = true)]
     smooth: Option<f64>,
-    /// Report no solid fraction above this, e.g. 0.64; the uncapped field is kept
+    /// Report no solid fraction above this, e.g. 0.64; the uncapped field, smoothed where asked for, is kept as
+    /// solid_fraction_uncapped
     #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_negative_numbers = true)]
     cap: Option<f64>,
     /// Periodic directions: auto (those of the file, where the mesh does not reach beyond the box), none, or e.g. xy
@@ -101,7 +103,7 @@ impl Fraction {
             CellSet::Mesh(mesh) => {
                 let found = mesh.inverted_cells().len() + mesh.inverted_elements();
                 if found > 0 {
-                    report::warn(&format!("{found} cells are inside out; they count with their absolute volume"));
+                    report::warn(&inside_out(mesh, &self.cells.name()));
                 }
                 (self.compute(mesh.as_ref(), &particles, &mut timing)?, found)
             }
@@ -116,7 +118,7 @@ impl Fraction {
         if ledger.cells_above_one > 0 && self.method.is_exact() {
             report::warn(&self.too_full(ledger.max_solid_fraction));
         }
-        let mut text = report::ledger(ledger, inverted);
+        let mut text = report::ledger(&outcome.fields, inverted);
         let _ = writeln!(text, "written to           {}", self.out.display());
         if self.verbose {
             let _ = write!(text, "\n{}", timing.table());
@@ -274,6 +276,7 @@ struct Summary {
     binned_volume: f64,
     clipped_volume: f64,
     max_solid_fraction: f64,
+    max_written_fraction: f64,
     cells_above_one: usize,
     inverted_cells: usize,
     seconds: Seconds,
@@ -300,6 +303,7 @@ pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, tim
         binned_volume: ledger.binned_volume,
         clipped_volume: ledger.clipped_volume,
         max_solid_fraction: ledger.max_solid_fraction,
+        max_written_fraction: outcome.fields.max_written(),
         cells_above_one: ledger.cells_above_one,
         inverted_cells: inverted,
         seconds: Seconds {
@@ -326,6 +330,9 @@ pub(crate) fn cell_data(outcome: &Outcome) -> Vec<DataArray> {
         DataArray::scalar("cell_volume", outcome.cell_volumes.clone()),
         DataArray::integers("particle_count", outcome.counts.iter().map(|&n| n.into()).collect()),
     ];
+    if let Some(uncapped) = &fields.uncapped {
+        data.push(DataArray::scalar("solid_fraction_uncapped", uncapped.clone()));
+    }
     if let Some(unsmoothed) = &fields.unsmoothed {
         data.push(DataArray::scalar("solid_fraction_unsmoothed", unsmoothed.clone()));
     }
@@ -390,6 +397,31 @@ impl<'a> Target<'a> {
     }
 }
 
+/// Cells that are named in a warning.
+const NAMED: usize = 5;
+
+/// Which cells are inside out, and what that does to the volumes.
+fn inside_out(mesh: &Mesh, name: &str) -> String {
+    let cells = mesh.inverted_cells();
+    let mut text = String::new();
+    if !cells.is_empty() {
+        let named: Vec<String> = cells.iter().take(NAMED).map(u32::to_string).collect();
+        let more = if cells.len() > NAMED { ", …" } else { "" };
+        let _ = write!(
+            text,
+            "{name}: {} cells are inside out (cells {}{more}, from 0): they count with their absolute volume, and what lies \
+             in them and in the cells that they overlap is counted twice; mend the mesh",
+            cells.len(),
+            named.join(", ")
+        );
+    }
+    if mesh.inverted_elements() > 0 {
+        let start = if text.is_empty() { format!("{name}: ") } else { "; ".into() };
+        let _ = write!(text, "{start}{} elements are listed inside out and were mirrored", mesh.inverted_elements());
+    }
+    text
+}
+
 /// `0`, `0.25`, `1e-3`: a folder that OpenFOAM takes for a time.
 fn is_time_folder(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().parse::<f64>().is_ok_and(|t| t.is_finite()))
@@ -416,6 +448,9 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
         ("voidfraction", Dimensions::NONE, fields.void_fraction.as_slice()),
         ("solidVolume", Dimensions([0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0]), fields.solid_volume.as_slice()),
     ];
+    if let Some(uncapped) = &fields.uncapped {
+        list.push(("alpha.solids.uncapped", Dimensions::NONE, uncapped.as_slice()));
+    }
     if let Some(unsmoothed) = &fields.unsmoothed {
         list.push(("alpha.solids.unsmoothed", Dimensions::NONE, unsmoothed.as_slice()));
     }

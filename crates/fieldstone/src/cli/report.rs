@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 
 use anyhow::Context;
-use fieldstone::fields::Ledger;
+use fieldstone::fields::SolidFraction;
 
 /// Writes to standard output; the macros of the standard library would panic where that is closed or full.
 ///
@@ -42,7 +42,8 @@ pub(crate) fn warn(message: &str) {
 }
 
 /// The ledger as the lines that every run prints.
-pub(crate) fn ledger(ledger: &Ledger, inverted_cells: usize) -> String {
+pub(crate) fn ledger(fields: &SolidFraction, inverted_cells: usize) -> String {
+    let ledger = &fields.ledger;
     let share = |part: f64| if ledger.particle_volume > 0.0 { 100.0 * part / ledger.particle_volume } else { 0.0 };
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
@@ -53,11 +54,29 @@ pub(crate) fn ledger(ledger: &Ledger, inverted_cells: usize) -> String {
     line("mesh volume", number(ledger.mesh_volume));
     line("particle volume", number(ledger.particle_volume));
     line("binned volume", format!("{}  ({:.4} %)", number(ledger.binned_volume), share(ledger.binned_volume)));
-    line(
-        "clipped volume",
-        format!("{}  ({:.4} %, outside the mesh)", number(ledger.clipped_volume), share(ledger.clipped_volume)),
-    );
+    if share(ledger.clipped_volume) < -100.0 * ROUNDING {
+        line(
+            "counted twice",
+            format!(
+                "{}  ({:.4} %, in cells that overlap each other or repeat the periodic box)",
+                number(-ledger.clipped_volume),
+                share(-ledger.clipped_volume)
+            ),
+        );
+    } else {
+        let outside = ledger.clipped_volume.max(0.0);
+        line("clipped volume", format!("{}  ({:.4} %, outside the mesh)", number(outside), share(outside)));
+    }
     line("max solid fraction", number(ledger.max_solid_fraction));
+    let changed = match (&fields.unsmoothed, &fields.uncapped) {
+        (Some(_), Some(_)) => Some("smoothed and capped"),
+        (Some(_), None) => Some("smoothed"),
+        (None, Some(_)) => Some("capped"),
+        (None, None) => None,
+    };
+    if let Some(how) = changed {
+        line(&format!("  {how}"), number(fields.max_written()));
+    }
     line("cells above one", ledger.cells_above_one.to_string());
     line("inverted cells", inverted_cells.to_string());
     if ledger.overlaps > 0 {
@@ -65,6 +84,9 @@ pub(crate) fn ledger(ledger: &Ledger, inverted_cells: usize) -> String {
     }
     text
 }
+
+/// Share of the particles' volume up to which the sum of what lies outside may differ from 0 by rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A number with its shortest exact digits, in scientific notation where that is shorter to read.
 pub(crate) fn number(x: f64) -> String {
