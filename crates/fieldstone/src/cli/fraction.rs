@@ -50,6 +50,8 @@ pub(crate) struct Fraction {
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
+    ///
+    /// A time folder gets fields only where the mesh is that of its case at that time: of a moving mesh give --mesh CASE/TIME.
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON
@@ -97,7 +99,7 @@ impl Fraction {
         let target = self.target()?;
         let particles = timing.measure("read", || self.particles.read())?;
         let cells = timing.measure("read", || self.cells.read())?;
-        target.check(&cells)?;
+        target.check(&cells, self.cells.mesh.as_deref())?;
 
         let (outcome, inverted) = match &cells {
             CellSet::Mesh(mesh) => {
@@ -357,6 +359,15 @@ impl<'a> Target<'a> {
             "vtu" => bail!("--out {}: a grid is written as .vti or .csv", path.display()),
             "vti" => bail!("--out {}: a mesh is written as .vtu, .csv or into an OpenFOAM time folder", path.display()),
             _ if mesh && is_time_folder(path) => Self::TimeFolder(path),
+            _ if is_time_folder(path) => bail!(
+                "--out {}: OpenFOAM's fields need a mesh (--mesh); a grid is written as .vti or .csv",
+                path.display()
+            ),
+            _ if path.parent().is_some_and(is_time_folder) => bail!(
+                "--out {}: results are not written into time folders of regions; use .vtu or .csv{}",
+                path.display(),
+                if mesh { "" } else { ", for a grid .vti or .csv" }
+            ),
             _ => bail!(
                 "--out {}: the ending is not known; use .vtu (mesh), .vti (grid), .csv, or an OpenFOAM time folder \
                  such as CASE/0",
@@ -366,7 +377,7 @@ impl<'a> Target<'a> {
         Ok(target)
     }
 
-    fn check(&self, cells: &CellSet) -> anyhow::Result<()> {
+    fn check(&self, cells: &CellSet, source: Option<&Path>) -> anyhow::Result<()> {
         if let (Self::TimeFolder(path), CellSet::Mesh(mesh)) = (self, cells) {
             let faces = mesh.parts().owner.len();
             let covered: usize = mesh.parts().patches.iter().map(|p| p.count).sum();
@@ -375,6 +386,9 @@ impl<'a> Target<'a> {
                     "--out {}: the mesh's patches do not cover its boundary, so OpenFOAM could not read the fields",
                     path.display()
                 );
+            }
+            if let Some(source) = source {
+                outputs::check_mesh_of_case("--out", path, mesh, source)?;
             }
         }
         Ok(())

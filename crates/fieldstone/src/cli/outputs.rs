@@ -2,7 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
+use fieldstone::io::openfoam;
+use fieldstone::mesh::{Cells, Mesh};
+
+use super::report;
 
 /// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the run's other files.
 pub(crate) fn check(option: &str, path: &Path, others: &[&Path]) -> anyhow::Result<()> {
@@ -80,6 +84,55 @@ pub(crate) fn check_folder(option: &str, path: &Path) -> anyhow::Result<()> {
     }
     if let Err(error) = tempfile::tempfile_in(folder) {
         bail!("{option} {shown}: cannot write into the folder {}: {error}; choose another place", folder.display());
+    }
+    Ok(())
+}
+
+/// Largest distance between the centres of a cell in two files of one mesh, in cube roots of its volume: text of six
+/// digits stays below it.
+const SAME_CENTRE: f64 = 1e-3;
+
+/// Refuses results on `mesh`, read from `source`, for a time folder of a case that has another mesh; warns where the cells
+/// are not in the order of their case.
+pub(crate) fn check_mesh_of_case(option: &str, path: &Path, mesh: &Mesh, source: &Path) -> anyhow::Result<()> {
+    let shown = path.display();
+    if openfoam::has_case_order(source).is_ok_and(|known| !known) {
+        report::warn(&format!(
+            "{}: without cellProcAddressing in every processor folder cells are in the order of the processors, and so are \
+             the results in {shown}: they do not fit the reconstructed case",
+            source.display()
+        ));
+    }
+    let Some(own) = openfoam::mesh_of_time(path) else { return Ok(()) };
+    if openfoam::is_same_mesh(&own, source) {
+        return Ok(());
+    }
+    let (own, given) = (own.as_path(), source.display());
+    let theirs = openfoam::read_poly_mesh(own).with_context(|| format!("{option} {shown}: the case's mesh"))?;
+    let own = own.display();
+    let remedy = format!("give --mesh {own}, or write a .vtu");
+    if theirs.cell_count() != mesh.cell_count() {
+        bail!(
+            "{option} {shown}: the mesh of this time, {own}, has {} cells, and {given} has {}: {remedy}",
+            theirs.cell_count(),
+            mesh.cell_count()
+        );
+    }
+    for cell in 0..mesh.cell_count() {
+        let (a, b) = (theirs.cell_centre(cell), mesh.cell_centre(cell));
+        let apart = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt();
+        if apart > SAME_CENTRE * theirs.cell_volume(cell).cbrt() {
+            bail!(
+                "{option} {shown}: cell {cell} is at ({}, {}, {}) in the mesh of this time, {own}, and at ({}, {}, {}) in \
+                 {given}: {remedy}",
+                a[0],
+                a[1],
+                a[2],
+                b[0],
+                b[1],
+                b[2]
+            );
+        }
     }
     Ok(())
 }
