@@ -5,7 +5,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::IoError;
+use crate::vtk::read_pvd;
+use crate::{IoError, Position};
 
 /// A range of frames `start:stop:step`, as in Python: from `start` on, before `stop`, every `step`-th.
 ///
@@ -123,10 +124,11 @@ impl FrameRange {
 /// `part_10.vtk`.
 ///
 /// In the name of the file, not of its folder, `*` stands for any text, `?` for one character, and `{}` for a number. A
-/// path without any of them, or that exists as it stands, is that file.
+/// path without any of them, or that exists as it stands, is that file. A `.pvd` stands for the files that it lists, in its
+/// order.
 ///
 /// # Errors
-/// [`IoError::System`] where the folder cannot be read, or no file fits.
+/// [`IoError::System`] where the folder cannot be read, or no file fits; those of [`read_pvd`].
 ///
 /// ```
 /// use fieldstone_io::find_files;
@@ -140,6 +142,18 @@ impl FrameRange {
 /// ```
 pub fn find_files(pattern: &str) -> Result<Vec<PathBuf>, IoError> {
     let path = Path::new(pattern);
+    if is_list(path) {
+        let files: Vec<PathBuf> = read_pvd(path)?.into_iter().map(|(_, file)| file).collect();
+        if files.is_empty() {
+            return Err(IoError::content(
+                path,
+                Position::File,
+                "the .pvd lists no file",
+                "give one with at least a <DataSet>",
+            ));
+        }
+        return Ok(files);
+    }
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if path.exists() || !["*", "?", "{}"].iter().any(|wild| name.contains(wild)) {
         return Ok(vec![path.into()]);
@@ -161,6 +175,32 @@ pub fn find_files(pattern: &str) -> Result<Vec<PathBuf>, IoError> {
     }
     found.sort_by(|a, b| by_numbers(a.as_bytes(), b.as_bytes()));
     Ok(found.into_iter().map(|name| folder.map_or_else(|| PathBuf::from(&name), |folder| folder.join(&name))).collect())
+}
+
+/// Times of the files that [`find_files`] gives, where the pattern is a `.pvd`, which states them; else none.
+///
+/// # Errors
+/// As [`crate::vtk::read_pvd`].
+///
+/// ```
+/// use fieldstone_io::find_times;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("run.pvd");
+/// fieldstone_io::vtk::write_pvd(&path, &[(0.0, "run_0.vtp".into()), (0.1, "run_1.vtp".into())])?;
+/// assert_eq!(find_times(&path.to_string_lossy())?, [0.0, 0.1]);
+/// assert!(find_times("run_*.vtp")?.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn find_times(pattern: &str) -> Result<Vec<f64>, IoError> {
+    let path = Path::new(pattern);
+    if !is_list(path) {
+        return Ok(Vec::new());
+    }
+    Ok(read_pvd(path)?.into_iter().map(|(time, _)| time).collect())
+}
+
+fn is_list(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pvd")) && path.is_file()
 }
 
 /// Whether a name fits a pattern.

@@ -68,7 +68,7 @@ pub use csv_write::{CsvWriter, write_csv, write_particles_csv, write_particles_c
 pub use data_array::{DataArray, Values};
 pub use dump::DumpReader;
 pub use error::{IoError, Position};
-pub use frame_range::{FrameRange, find_files};
+pub use frame_range::{FrameRange, find_files, find_times};
 pub use frames::FrameReader;
 pub use gmsh::read_gmsh;
 pub use lammps_walls::lammps_wall_contacts;

@@ -69,6 +69,8 @@ pub struct Series {
     told_of_box: bool,
     /// Whether the user has been told of contacts that are listed more than once.
     told_of_repeats: bool,
+    /// Time of each file, where a list of them states it.
+    times: Vec<f64>,
     current: Option<(PathBuf, Box<dyn FrameReader + Send>)>,
     /// The next file to open.
     next_file: usize,
@@ -90,6 +92,7 @@ impl Series {
             periodic: [false; 3],
             told_of_box: false,
             told_of_repeats: false,
+            times: Vec::new(),
             current: None,
             next_file: 0,
             next_index: 0,
@@ -102,6 +105,13 @@ impl Series {
     #[must_use]
     pub fn with_contacts(mut self, contacts: ContactFiles) -> Self {
         self.sources.push(ContactSource::new(contacts));
+        self
+    }
+
+    /// Times of the files, one each, for frames that state none themselves.
+    #[must_use]
+    pub fn with_times(mut self, times: Vec<f64>) -> Self {
+        self.times = times;
         self
     }
 
@@ -190,7 +200,7 @@ impl Series {
                 }
                 continue;
             }
-            let Some(particles) = reader.next_frame()? else {
+            let Some(mut particles) = reader.next_frame()? else {
                 if self.open_next()? {
                     continue;
                 }
@@ -198,6 +208,12 @@ impl Series {
             };
             let (path, index) = (path.clone(), self.next_index);
             self.next_index += 1;
+            if particles.time().is_none()
+                && let Some(&time) = self.times.get(self.next_file - 1)
+            {
+                let step = particles.step();
+                particles = particles.at(step, Some(time));
+            }
             for source in &mut self.sources {
                 source.go_to(&path, index, &particles)?;
             }

@@ -128,10 +128,33 @@ fn a_sequence_gives_one_file_per_frame_and_a_table() {
     assert_eq!((all[0]["file"].as_str(), all[0]["particles"].as_u64()), (Some("part_9.csv"), Some(1000)));
     assert_eq!(all[1]["particles"], 1100);
     assert!(folder.path("found_1.vtp").is_file());
-    let message = folder.fails("detect --particles part_{}.csv --spacing 0.1 --out found.vtp");
-    mentions(&message, &["2 files fit", "--frames", "{}"]);
+    // Without {} the last frame of all files, as --help says.
+    folder.succeeds("detect --particles part_{}.csv --spacing 0.1 --out found.vtp --json found.json");
+    assert_eq!(json(&folder, "found.json")["file"], "part_10.csv");
     folder.succeeds("detect --particles part_{}.csv --frames 1 --spacing 0.1 --out one.vtp --json one.json");
     assert_eq!(json(&folder, "one.json")["particles"], 1100);
+}
+
+#[test]
+fn a_pvd_gives_its_frames_with_their_times() {
+    let folder = folder();
+    for k in 0..2 {
+        folder.succeeds(&format!("detect --particles fluid.csv --spacing 0.1 --labels-only --out part_{k}.vtp"));
+    }
+    // In the order of the list, not of the names.
+    let list = [(0.5, "part_1.vtp".into()), (0.75, "part_0.vtp".into())];
+    fieldstone::io::vtk::write_pvd(&folder.path("run.pvd"), &list).unwrap();
+    folder.succeeds("detect --particles run.pvd --spacing 0.1 --out out_{}.vtp --json out.json");
+    let time = |name: &str| read_vtk(&folder.path(name)).unwrap().time;
+    assert_eq!([time("out_0.vtp"), time("out_1.vtp")], [Some(0.5), Some(0.75)]);
+    assert_eq!(json(&folder, "out.json")[1]["file"].as_str().map(|file| file.ends_with("part_0.vtp")), Some(true));
+    folder.succeeds("grid --particles run.pvd --spacing 0.1 --out last.vti");
+    assert_eq!(time("last.vti"), Some(0.75));
+    folder.succeeds("surface --particles run.pvd --spacing 0.1 --frames 0 --out first.vtp");
+    assert_eq!(time("first.vtp"), Some(0.5));
+    fieldstone::io::vtk::write_pvd(&folder.path("empty.pvd"), &[]).unwrap();
+    let message = folder.fails("detect --particles empty.pvd --spacing 0.1 --out out.vtp");
+    mentions(&message, &["empty.pvd: the .pvd lists no file"]);
 }
 
 #[test]

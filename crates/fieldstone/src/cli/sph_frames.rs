@@ -6,7 +6,9 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files};
+use fieldstone::io::{
+    AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files, find_times,
+};
 use fieldstone::particles::{Domain, Particles};
 use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,7 +25,7 @@ const PARTICLES_TOGETHER: usize = 1_000_000;
 #[derive(Debug, Args)]
 pub(crate) struct SphArguments {
     /// Particles: BGEO, VTK (.vtu, .vtp, .vtk), PLY, XYZ, CSV, dumps; .gz too. A pattern for many: {} stands for a number,
-    /// * for any text
+    /// * for any text; or a .pvd, which lists them
     ///
     /// Frames are counted from 0 in the order of the files, those with smaller numbers first: of Part_0010 and Part_0020
     /// the first is frame 0. --frames and {} in --out go by this count, not by the numbers in the files' names.
@@ -86,11 +88,6 @@ impl SphArguments {
         let range = match self.frames {
             Some(range) => range,
             None if out.is_numbered() => FrameRange::default(),
-            None if files.len() > 1 => bail!(
-                "--particles {}: {} files fit; choose one frame with --frames, or give --out with {{}} for the number",
-                self.particles,
-                files.len()
-            ),
             None => "-1".parse::<FrameRange>().map_err(|e| anyhow!(e))?,
         };
         Ok((files, range))
@@ -101,7 +98,11 @@ impl SphArguments {
         let (files, range) = self.files_and_range(out)?;
         // Ellipsoids and clumps are no matter where only centres count.
         let options = ParticleOptions { allow_non_spherical: true };
-        Ok(Series::new(files, options).with_range(range).in_background(rayon::current_num_threads())?)
+        let times = find_times(&self.particles)?;
+        Ok(Series::new(files, options)
+            .with_times(times)
+            .with_range(range)
+            .in_background(rayon::current_num_threads())?)
     }
 
     /// Works on all frames: what came of each, and its file, in their order.
@@ -176,7 +177,12 @@ impl SphArguments {
 
     /// Files that must not be overwritten.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        find_files(&self.particles).unwrap_or_default()
+        let mut files = find_files(&self.particles).unwrap_or_default();
+        // A .pvd is an input beside the files that it lists.
+        if Path::new(&self.particles).is_file() {
+            files.push(PathBuf::from(&self.particles));
+        }
+        files
     }
 
     /// Everything about the particles of a frame but their positions.
