@@ -158,6 +158,50 @@ fn a_pvd_gives_its_frames_with_their_times() {
 }
 
 #[test]
+fn a_stray_particle_that_makes_the_grid_too_large_is_named_with_the_bounds() {
+    let folder = folder();
+    folder.write("far.csv", folder_text(&folder, "fluid.csv") + "1e7,0,0,1,1,1000,5\n");
+    for (command, out) in [("grid", "o.vti"), ("surface", "o.vtp")] {
+        let message = folder.fails(&format!("{command} --particles far.csv --spacing 0.1 --out {out}"));
+        mentions(
+            &message,
+            &[
+                "far.csv: --cell, --spacing",
+                "reach from (0.05, 0, 0",
+                "to (10000000, ",
+                "the particle at (10000000, 0, 0)",
+            ],
+        );
+        assert!(!folder.path(out).exists());
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_grid_beyond_the_memory_limit_of_the_shell_is_refused_before_it_is_made() {
+    let folder = folder();
+    folder.write("far.csv", folder_text(&folder, "fluid.csv") + "1e5,0,0,1,1,1000,5\n");
+    let program = env!("CARGO_BIN_EXE_fieldstone");
+    for (command, out) in [("grid", "o.vti"), ("surface", "o.vtp")] {
+        let line = format!(
+            "ulimit -v 4000000; cd '{}'; '{program}' {command} --particles far.csv --spacing 0.1 --out {out}",
+            folder.path("").display()
+        );
+        let run = std::process::Command::new("sh").args(["-c", &line]).output().unwrap();
+        assert_eq!(run.status.code(), Some(1), "{run:?}");
+        mentions(
+            &String::from_utf8_lossy(&run.stderr),
+            &["GB are free", "the particle at (100000, 0, 0)", "leave it out"],
+        );
+        assert!(!folder.path(out).exists());
+    }
+}
+
+fn folder_text(folder: &Folder, name: &str) -> String {
+    std::fs::read_to_string(folder.path(name)).unwrap()
+}
+
+#[test]
 fn frames_worked_on_together_give_the_same_files_and_the_first_bad_one_is_named() {
     let folder = folder();
     for number in 0..7 {

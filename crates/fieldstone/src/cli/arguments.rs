@@ -100,8 +100,24 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Memory that the system can still give, in bytes, where it tells.
+/// Memory that the program can still get, in bytes, where the system tells: what is free, within the limit of the shell
+/// (`ulimit -v`).
 pub(crate) fn available_memory() -> Option<u64> {
+    [free_memory(), address_space()].into_iter().flatten().min()
+}
+
+/// What is left of the limit of the program's address space, where there is one.
+fn address_space() -> Option<u64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
+    let sizes = std::fs::read_to_string("/proc/self/statm").ok()?;
+    // In pages, of 4 kB on nearly all systems.
+    let used = 4096 * sizes.split_whitespace().next()?.parse::<u64>().ok()?;
+    Some(limit.saturating_sub(used))
+}
+
+fn free_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)

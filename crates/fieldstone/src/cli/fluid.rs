@@ -1,6 +1,6 @@
 //! Where the fluid is, as a field on nodes: what `grid` and `surface` have in common.
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::io::SeriesFrame;
 use fieldstone::mesh::Grid;
@@ -9,11 +9,14 @@ use fieldstone::surface::{
     density_field, implausibilities, level_set,
 };
 
-use super::arguments::{available_memory, check_memory, positive};
+use super::arguments::{available_memory, positive};
 use super::report;
 
 /// Bytes per node: the field, those interpolated to nodes, and their copies while they are written.
 const NODE_BYTES: u64 = 120;
+
+/// Bytes per node of each further number: a column's as it is interpolated, spread over the nodes and written.
+const COLUMN_BYTES: u64 = 24;
 
 /// How the fluid's region is found.
 #[derive(Debug, Args)]
@@ -69,8 +72,13 @@ impl FluidArguments {
     }
 }
 
-/// Nodes around the fluid's particles, refused where the memory does not suffice.
-pub(crate) fn nodes(frame: &SeriesFrame, surroundings: &Surroundings, cell: f64) -> anyhow::Result<Nodes> {
+/// Nodes around the fluid's particles, refused where the memory does not suffice for their fields: `numbers` of columns each.
+pub(crate) fn nodes(
+    frame: &SeriesFrame,
+    surroundings: &Surroundings,
+    cell: f64,
+    numbers: usize,
+) -> anyhow::Result<Nodes> {
     let spacing = surroundings.spacing;
     let positions = frame.particles.positions();
     let fluid: Vec<[f64; 3]> = match &surroundings.candidates {
@@ -78,9 +86,10 @@ pub(crate) fn nodes(frame: &SeriesFrame, surroundings: &Surroundings, cell: f64)
         Some(fluid) => positions.iter().zip(fluid).filter(|(_, fluid)| **fluid).map(|(p, _)| *p).collect(),
     };
     // Beyond the surface, and beyond the balls of the particles' volume.
+    let file = frame.path.display();
     let nodes = Nodes::around(&fluid, 1.5 * spacing, cell * spacing)
-        .map_err(|e| anyhow!("{}: --cell, --spacing: {e}", frame.path.display()))?;
-    check_room(&nodes)?;
+        .map_err(|e| anyhow!("{file}: --cell, --spacing: {e}; {}", extent(&fluid)))?;
+    check_room(&nodes, numbers, available_memory()).map_err(|e| anyhow!("{file}: {e}; {}", extent(&fluid)))?;
     Ok(nodes)
 }
 
@@ -92,8 +101,9 @@ pub(crate) fn nodes_of_one_period(
     frame: &SeriesFrame,
     surroundings: &Surroundings,
     cell: f64,
+    numbers: usize,
 ) -> anyhow::Result<Nodes> {
-    let nodes = nodes(frame, surroundings, cell)?;
+    let nodes = nodes(frame, surroundings, cell, numbers)?;
     let Some(domain) = &surroundings.domain else { return Ok(nodes) };
     let (mut origin, mut spacing, mut counts) = (nodes.origin(), nodes.spacing(), nodes.counts());
     for k in (0..3).filter(|&k| domain.periodic()[k]) {
@@ -106,16 +116,74 @@ pub(crate) fn nodes_of_one_period(
     }
     let nodes = Nodes::new(origin, spacing, counts)
         .map_err(|e| anyhow!("{}: --cell, --spacing, and the periodic box: {e}", frame.path.display()))?;
-    check_room(&nodes)?;
+    check_room(&nodes, numbers, available_memory()).map_err(|e| anyhow!("{}: {e}", frame.path.display()))?;
     Ok(nodes)
 }
 
-fn check_room(nodes: &Nodes) -> anyhow::Result<()> {
-    let cells = nodes.grid().map_or(0, |grid| grid.cells().iter().product::<usize>() as u64);
-    check_memory(cells, NODE_BYTES, available_memory())
+/// Refuses nodes for whose fields the memory does not suffice: systems that promise more than they have end the program
+/// without a word.
+fn check_room(nodes: &Nodes, numbers: usize, available: Option<u64>) -> anyhow::Result<()> {
+    let count = nodes.len() as u64;
+    let needed = count.saturating_mul(NODE_BYTES + COLUMN_BYTES * numbers as u64);
+    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+    match available {
+        Some(available) if needed > available => bail!(
+            "--cell, --spacing: the fields on {count} nodes need about {:.1} GB of memory, and {:.1} GB are free; give larger \
+             cells or less particles",
+            gigabytes(needed),
+            gigabytes(available)
+        ),
+        _ => Ok(()),
+    }
 }
+
+/// Where the particles are, and which of them is far from all others, if one is.
+fn extent(positions: &[[f64; 3]]) -> String {
+    let sorted = |k: usize| {
+        let mut along: Vec<f64> = positions.iter().map(|p| p[k]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        along
+    };
+    let axes = [sorted(0), sorted(1), sorted(2)];
+    let last = positions.len().saturating_sub(1);
+    let vector = |at: usize| {
+        let [x, y, z] = [0, 1, 2].map(|k| axes[k].get(at).map_or(f64::NAN, |&x| report::short(x)));
+        format!("({x}, {y}, {z})")
+    };
+    let middle = [0, 1, 2].map(|k| axes[k].get(last / 2).copied().unwrap_or(f64::NAN));
+    let distance = |p: &[f64; 3]| (0..3).map(|k| (p[k] - middle[k]).powi(2)).sum::<f64>().sqrt();
+    let mut far: Vec<(f64, &[f64; 3])> = positions.iter().map(|p| (distance(p), p)).collect();
+    far.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let stray = match far.as_slice() {
+        [first, second, ..] if first.0 > STRAY * second.0 => {
+            let [x, y, z] = first.1.map(report::short);
+            format!("; the particle at ({x}, {y}, {z}) is far from all others: leave it out")
+        }
+        _ => String::new(),
+    };
+    format!("the particles reach from {} to {}{stray}", vector(0), vector(last))
+}
+
+/// A particle is far from all others where it is so many times farther from their middle than the next one.
+const STRAY: f64 = 3.0;
 
 /// The grid whose corners are `nodes`.
 pub(crate) fn cells(nodes: &Nodes) -> anyhow::Result<Grid> {
     nodes.grid().ok_or_else(|| anyhow!("--slice: a slice has no cells to sum over"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_for_whose_columns_the_memory_does_not_suffice_are_refused_with_both_numbers() {
+        let nodes = Nodes::new([0.0; 3], [1.0; 3], [100; 3]).unwrap();
+        let message = check_room(&nodes, 5, Some(200_000_000)).unwrap_err().to_string();
+        assert!(
+            message.contains("on 1000000 nodes need about 0.2 GB") && message.contains("0.2 GB are free"),
+            "{message}"
+        );
+        assert!(check_room(&nodes, 0, Some(200_000_000)).is_ok() && check_room(&nodes, 5, None).is_ok());
+    }
 }

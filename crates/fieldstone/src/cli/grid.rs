@@ -127,12 +127,13 @@ impl GridFields {
             let column = frame.particles.quantity(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
             sph_checks::finite("--conserve", column, fluid, &file.to_string())?;
         }
+        let numbers = quantities.iter().map(|q| q.components).sum();
         let nodes = match self.slice {
-            None if self.conserve.is_empty() => nodes(frame, &surroundings, self.cell)?,
-            None => nodes_of_one_period(frame, &surroundings, self.cell)?,
-            Some(Slice { axis, at }) => {
-                nodes(frame, &surroundings, self.cell)?.slice(axis, at).map_err(|e| anyhow!("--slice: {file}: {e}"))?
-            }
+            None if self.conserve.is_empty() => nodes(frame, &surroundings, self.cell, numbers)?,
+            None => nodes_of_one_period(frame, &surroundings, self.cell, numbers)?,
+            Some(Slice { axis, at }) => nodes(frame, &surroundings, self.cell, 0)?
+                .slice(axis, at)
+                .map_err(|e| anyhow!("--slice: {file}: {e}"))?,
         };
         let region = self.fluid.field(frame, &surroundings, &nodes)?;
         let columns: Vec<Column<'_>> =

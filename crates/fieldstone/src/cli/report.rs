@@ -85,6 +85,11 @@ pub(crate) fn ledger(fields: &SolidFraction, inverted_cells: usize) -> String {
     text
 }
 
+/// A number with the digits that a message needs.
+pub(crate) fn short(x: f64) -> f64 {
+    format!("{x:.6e}").parse().unwrap_or(x)
+}
+
 /// Share of the particles' volume up to which the sum of what lies outside may differ from 0 by rounding.
 const ROUNDING: f64 = 1e-9;
 

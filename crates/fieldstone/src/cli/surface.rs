@@ -118,7 +118,7 @@ impl Surface {
             sph_checks::finite("--fields", column, surroundings.candidates.as_deref(), &file)?;
             quantities.push(column);
         }
-        let nodes = nodes(frame, &surroundings, self.cell)?;
+        let nodes = nodes(frame, &surroundings, self.cell, 0)?;
         let field = self.fluid.field(frame, &surroundings, &nodes)?;
         let walls = match self.at_walls {
             WallsName::Closed => Walls::Closed,
