@@ -7,6 +7,7 @@ mod support;
 use std::io::Write;
 use std::path::Path;
 
+use fieldstone::io::vtk;
 use support::Folder;
 use support::cases::{GRAINS, grains, mentions};
 
@@ -51,6 +52,38 @@ fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
     ] {
         mentions(&folder.fails(line), &parts);
     }
+}
+
+#[test]
+fn fields_on_the_nodes_of_a_grid_are_plotted_and_those_of_a_mesh_refused_with_their_names() {
+    let folder = Folder::new();
+    let mut text = String::from("x,y,z,pressure\n");
+    for n in 0..512 {
+        let [x, y, z] = [n % 8, n / 8 % 8, n / 64].map(|n| 0.1 * f64::from(n));
+        text += &format!("{x},{y},{z},{}\n", 7.0 - 2.0 * z);
+    }
+    folder.write("fluid.csv", text);
+    let grid = "grid --particles fluid.csv --spacing 0.1 --beyond-surface --fields pressure";
+    folder.succeeds(&format!("{grid} --out g.vti"));
+    folder.succeeds("plot g.vti --field pressure --slice y=0.3 --out slice.png");
+    assert!(picture(&folder.path("slice.png")).2 > 8);
+    folder.succeeds("plot g.vti --field pressure --profile z --out profile.svg");
+    mentions(&std::fs::read_to_string(folder.path("profile.svg")).unwrap(), &["pressure, mean by volume"]);
+    // A single layer of nodes.
+    folder.succeeds(&format!("{grid} --slice y=0.3 --out s.vti"));
+    folder.succeeds("plot s.vti --field pressure --out slice.png");
+    mentions(
+        &folder.fails("plot g.vti --field speed"),
+        &["no field 'speed'; it has level_set, support, pressure, on nodes"],
+    );
+
+    let mesh = fieldstone::io::read_mesh(&fieldstone_testing::data("openfoam/decomposed/whole")).unwrap();
+    let height = mesh.parts().points.iter().map(|p| p[2]).collect();
+    let points = [fieldstone::io::DataArray::scalar("height", height)];
+    let arrays = vtk::VtkArrays { points: &points, ..vtk::VtkArrays::default() };
+    vtk::write_vtu(&folder.path("m.vtu"), &mesh, arrays, vtk::VtkEncoding::default()).unwrap();
+    let message = folder.fails("plot m.vtu --field height");
+    mentions(&message, &["m.vtu: its fields are on nodes (height)", "on cells", "ParaView"]);
 }
 
 /// Compresses a file of the folder; the name of the result.

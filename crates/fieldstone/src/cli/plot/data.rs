@@ -95,11 +95,11 @@ struct Table {
 /// Reads a field of the file; of a file over time, at the block or step `frame` (negative from the end).
 pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plotted> {
     let table = match ending_of_input(path).as_str() {
-        "vti" | "vtu" => from_vtk(path)?,
+        "vti" | "vtu" => from_vtk(path, field)?,
         "pvd" => {
             let steps = vtk::read_pvd(path)?;
             let files: Vec<PathBuf> = steps.into_iter().map(|(_, file)| file).collect();
-            from_vtk(&files[place(path, frame, files.len())?])?
+            from_vtk(&files[place(path, frame, files.len())?], field)?
         }
         "stat" => from_stat(path, frame)?,
         "csv" => from_csv(path, field)?,
@@ -108,7 +108,6 @@ pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plott
             path.display()
         ),
     };
-    let is = |name: &str, wanted: &str| name == wanted || name == mercury_name(wanted);
     let find = |wanted: &str| table.columns.iter().find(|(name, ..)| is(name, wanted));
     let Some((name, count, data)) = find(field) else {
         let names: Vec<&str> = table.columns.iter().map(|(name, ..)| name.as_str()).collect();
@@ -150,14 +149,50 @@ fn place(path: &Path, frame: i64, count: usize) -> anyhow::Result<usize> {
     })
 }
 
+/// Whether a file's name of a field is the wanted one, ours or MercuryCG's.
+fn is(name: &str, wanted: &str) -> bool {
+    name == wanted || name == mercury_name(wanted)
+}
+
 fn three(names: [&str; 3]) -> [String; 3] {
     names.map(String::from)
 }
 
-fn from_vtk(path: &Path) -> anyhow::Result<Table> {
+/// The fields on cells; of a grid those on nodes, where the wanted one is there.
+fn from_vtk(path: &Path, field: &str) -> anyhow::Result<Table> {
     let file = vtk::read_vtk(path)?;
     let numbers = |array: &DataArray| (array.name.clone(), array.components, array.values.to_f64());
-    let mut columns: Vec<_> = file.cell_data.iter().map(numbers).collect();
+    if file.image.is_none() && !file.has_volume_cells() {
+        bail!(
+            "{}: the file has no volume cells to show fields on; fieldstone grid makes a .vti with fields from particles",
+            path.display()
+        );
+    }
+    let has = |arrays: &[DataArray]| arrays.iter().any(|array| is(&array.name, field));
+    let on_nodes = !has(&file.cell_data) && has(&file.point_data);
+    if !has(&file.cell_data) && (!on_nodes || file.image.is_none()) {
+        let names = |arrays: &[DataArray]| arrays.iter().map(|a| a.name.clone()).collect::<Vec<_>>().join(", ");
+        let (cells, nodes) = (names(&file.cell_data), names(&file.point_data));
+        let path = path.display();
+        match (cells.is_empty(), nodes.is_empty(), file.image.is_some()) {
+            (true, true, _) => {
+                bail!("{path}: the file has no fields; give a result of fieldstone fields, fraction or grid")
+            }
+            (false, true, _) => bail!("{path}: there is no field '{field}'; it has {cells}"),
+            (true, false, true) => bail!("{path}: there is no field '{field}'; it has {nodes}, on nodes"),
+            (false, false, true) => bail!("{path}: there is no field '{field}'; it has {cells}, and on nodes {nodes}"),
+            (true, false, false) => bail!(
+                "{path}: its fields are on nodes ({nodes}), and plot takes those on cells, on nodes only of a .vti: give \
+                 another file, or interpolate them to cells in ParaView"
+            ),
+            (false, false, false) => bail!(
+                "{path}: there is no field '{field}' on cells; it has {cells}, and {nodes} on nodes, which plot takes of a \
+                 .vti only"
+            ),
+        }
+    }
+    let arrays = if on_nodes { &file.point_data } else { &file.cell_data };
+    let mut columns: Vec<_> = arrays.iter().map(numbers).collect();
     let Some(image) = &file.image else {
         let found = file.to_mesh()?;
         for (_, components, data) in &mut columns {
@@ -170,12 +205,43 @@ fn from_vtk(path: &Path) -> anyhow::Result<Table> {
     if image.direction != vtk::VtkImage::ALIGNED {
         bail!("{}: the grid's axes are not x, y and z", path.display());
     }
+    if on_nodes {
+        let places = around_nodes(image);
+        let volumes = volumes(&places);
+        return Ok(Table { places: Places::Lattice(places), volumes, columns });
+    }
     let count = image.cells.map(|n| n.max(1));
     let edges = [0, 1, 2].map(|k| (0..=count[k]).map(|i| image.origin[k] + image.spacing[k] * i as f64).collect());
     let cells = (0..image.cell_count() as u32).map(Some).collect();
     let volumes = vec![image.spacing.iter().product(); image.cell_count()];
     let places = Places::Lattice(Lattice { names: three(["x", "y", "z"]), edges, cells });
     Ok(Table { places, volumes, columns })
+}
+
+/// Each node with what is nearer to it than to any other, up to the grid's faces; a grid's only layer gets the thickness
+/// of a cell.
+fn around_nodes(image: &vtk::VtkImage) -> Lattice {
+    let edges: [Vec<f64>; 3] = [0, 1, 2].map(|k| {
+        let at = |i: f64| image.origin[k] + image.spacing[k] * i;
+        match image.cells[k] {
+            0 => vec![at(-0.5), at(0.5)],
+            last => {
+                let mut edges = vec![at(0.0)];
+                edges.extend((0..last).map(|i| at(i as f64 + 0.5)));
+                edges.push(at(last as f64));
+                edges
+            }
+        }
+    });
+    Lattice { names: three(["x", "y", "z"]), edges, cells: (0..image.point_count() as u32).map(Some).collect() }
+}
+
+/// Volumes of all places of a lattice, the first coordinate fastest.
+fn volumes(lattice: &Lattice) -> Vec<f64> {
+    let widths = |k: usize| -> Vec<f64> { lattice.edges[k].windows(2).map(|pair| pair[1] - pair[0]).collect() };
+    let [x, y, z] = [widths(0), widths(1), widths(2)];
+    let rows = z.iter().flat_map(|c| y.iter().map(move |b| b * c));
+    rows.flat_map(|area| x.iter().map(move |a| a * area)).collect()
 }
 
 fn from_stat(path: &Path, frame: i64) -> anyhow::Result<Table> {

@@ -22,14 +22,15 @@ use slice::SlicePicture;
 /// A picture of a field: a slice as a colour map, or a profile over one coordinate
 ///
 /// Profiles are means over the other coordinates: by mass for velocities and other quantities per mass where the file
-/// has the density, else by volume.
+/// has the density, else by volume. Fields on the nodes of a .vti, as of fieldstone grid, are taken for what is nearest to each
+/// node; nodes without fluid count with the 0 that they hold.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone plot chute.vti --field velocity --component x --slice y=0.02\n  \
     fieldstone plot chute.vti --field density --profile z --out density.svg\n  \
     fieldstone plot box.stat --field contact_stress --component zz --profile z")]
 pub(crate) struct Plot {
-    /// Result of fieldstone fields: .vti, .vtu, .pvd, .csv or .stat; .gz too
+    /// Result of fieldstone fields, fraction or grid: .vti, .vtu, .pvd, .csv or .stat; .gz too
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Field to show, as in density or contact_stress
