@@ -302,6 +302,18 @@ fn smoothing_conserves_volume_the_cap_bounds_and_both_keep_the_plain_field() {
 }
 
 #[test]
+fn the_tilt_of_a_box_is_told() {
+    let folder = Folder::new();
+    folder.write(
+        "tilted.dump",
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 1.25 0.25\n0 1 0\n0 1 0\n\
+         ITEM: ATOMS id x y z radius\n1 0.5 0.5 0.5 0.25\n",
+    );
+    let told = folder.succeeds("info tilted.dump").stdout;
+    assert!(told.contains("tilted by          xy 0.25, xz 0, yz 0"), "{told}");
+}
+
+#[test]
 fn volume_that_is_counted_twice_is_not_called_outside_the_mesh() {
     let folder = Folder::new();
     folder.write(

@@ -86,6 +86,38 @@ fn fields_on_the_nodes_of_a_grid_are_plotted_and_those_of_a_mesh_refused_with_th
     mentions(&message, &["m.vtu: its fields are on nodes (height)", "on cells", "ParaView"]);
 }
 
+#[test]
+fn results_are_told_from_particles() {
+    let folder = grains();
+    let fields = "--cells 4,4,12 --fields density";
+    for (out, parts) in [
+        ("g.csv", ["cells, one a row     192\n", "column               density, "]),
+        ("g.stat", ["results on points    4 × 4 × 12\n", "column               Density, "]),
+    ] {
+        folder.succeeds(&format!("{GRAINS} {fields} --out {out}"));
+        let told = folder.succeeds(&format!("info {out}")).stdout;
+        mentions(&told, &parts);
+        assert!(!told.contains("particles"), "{told}");
+    }
+    let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    vtk::write_vtp_polygons(
+        &folder.path("faces.vtp"),
+        &square,
+        &[0, 1, 2, 3],
+        &[4],
+        vtk::VtkArrays::default(),
+        vtk::VtkEncoding::default(),
+    )
+    .unwrap();
+    mentions(
+        &folder.succeeds("info faces.vtp").stdout,
+        &["surface              4 points\n", "polygons             1\n"],
+    );
+    vtk::write_pvd(&folder.path("run.pvd"), &[(0.0, "a.vti".into()), (0.5, "b.vti".into())]).unwrap();
+    let told = folder.succeeds("info run.pvd").stdout;
+    mentions(&told, &["files over time      2\n", "time                 0 to 0.5\n", "a.vti to b.vti"]);
+}
+
 /// Compresses a file of the folder; the name of the result.
 fn compressed(folder: &Folder, name: &str) -> String {
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());

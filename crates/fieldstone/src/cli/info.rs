@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fieldstone::geometry::ElementKind;
 use fieldstone::io::vtk::{self, VtkData, VtkImage, VtkLocation};
-use fieldstone::io::{FileKind, ParticleOptions, file_kind, open_particles, read_mesh};
+use fieldstone::io::{CsvTable, FileKind, ParticleOptions, StatFile, file_kind, open_particles, read_mesh, read_stat};
 use fieldstone::mesh::{Cells, Mesh};
 use fieldstone::particles::Particles;
 
@@ -17,7 +17,8 @@ use super::report::{self, number};
 /// Tell what is inside a mesh or particle file
 ///
 /// Meshes: cells by type, warped and concave cells, volumes, patches, zones, and results in a .vtu. Particles: frames,
-/// columns, box and size distribution. Grids (.vti): cells, spacing and results. All in the file's units.
+/// columns, box and size distribution. Grids (.vti): cells, spacing and results. Lists of files over time (.pvd), results over
+/// time (.stat), surfaces (.vtp), results on cells as a table (.csv). All in the file's units.
 #[derive(Debug, Args)]
 pub(crate) struct Info {
     /// Any file or folder that fieldstone reads
@@ -27,9 +28,34 @@ pub(crate) struct Info {
 impl Info {
     pub fn run(self) -> anyhow::Result<()> {
         let mut lines = Lines(String::new());
-        let vtk = ["vtu", "vti", "vtk"].contains(&ending_of_input(&self.file).as_str());
-        if vtk && self.file.is_file() {
+        let ending = ending_of_input(&self.file);
+        match ending.as_str() {
+            "pvd" if self.file.is_file() => {
+                lines.list(&vtk::read_pvd(&self.file)?);
+                return report::print(&lines.0);
+            }
+            "stat" if self.file.is_file() => {
+                lines.stat(&read_stat(&self.file)?);
+                return report::print(&lines.0);
+            }
+            "csv" if self.file.is_file() => {
+                let table = CsvTable::read(&self.file)?;
+                if table.has("cell_volume") {
+                    lines.table_of_cells(&table)?;
+                    return report::print(&lines.0);
+                }
+            }
+            _ => {}
+        }
+        let vtk = ["vtu", "vti", "vtk"].contains(&ending.as_str());
+        if (vtk || ending == "vtp") && self.file.is_file() {
             let data = vtk::read_vtk(&self.file)?;
+            if !data.has_volume_cells() && data.cells.types().iter().any(|kind| POLYGONS.contains(kind)) {
+                lines.add("surface", format!("{} points", data.points.len()));
+                lines.add("polygons", data.cells.types().iter().filter(|kind| POLYGONS.contains(kind)).count());
+                lines.columns(&data);
+                return report::print(&lines.0);
+            }
             if let Some(image) = &data.image {
                 lines.image(image);
                 lines.columns(&data);
@@ -62,6 +88,9 @@ impl Info {
         report::print(&lines.0)
     }
 }
+
+/// VTK's codes of triangles, strips of them, polygons, pixels and quadrilaterals.
+const POLYGONS: [u8; 5] = [5, 6, 7, 8, 9];
 
 fn vector(v: [f64; 3]) -> String {
     format!("({}, {}, {})", number(v[0]), number(v[1]), number(v[2]))
@@ -122,6 +151,51 @@ impl Lines {
         self.add("spacing", vector(image.spacing));
     }
 
+    /// Files over time.
+    fn list(&mut self, steps: &[(f64, PathBuf)]) {
+        self.add("files over time", steps.len());
+        if let [(first, from), .., (last, to)] = steps {
+            let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            self.add("time", format!("{} to {}", number(*first), number(*last)));
+            self.add("files", format!("{} to {}; info tells what is in one", name(from), name(to)));
+        } else if let [(time, file)] = steps {
+            self.add("time", number(*time));
+            self.add("file", file.display());
+        }
+    }
+
+    /// MercuryCG's results over time.
+    fn stat(&mut self, file: &StatFile) {
+        self.add("results on points", file.header.points.map(|n| n.to_string()).join(" × "));
+        self.add("from", vector(file.header.low));
+        self.add("to", vector(file.header.high));
+        self.add("frames", file.blocks.len());
+        if let [first, .., last] = file.blocks.as_slice() {
+            self.add("time", format!("{} to {}", number(first.time), number(last.time)));
+        }
+        for (k, field) in file.fields.iter().enumerate() {
+            let data = file.blocks.last().and_then(|block| block.data.get(k)).map_or(&[][..], Vec::as_slice);
+            self.column("column", &field.name, field.components, data);
+        }
+    }
+
+    /// Results on cells, a row each.
+    fn table_of_cells(&mut self, table: &CsvTable) -> anyhow::Result<()> {
+        self.add("cells, one a row", table.len());
+        for name in table.names() {
+            self.column("column", name, 1, &table.column(name)?);
+        }
+        Ok(())
+    }
+
+    /// A column with its range.
+    fn column(&mut self, place: &str, name: &str, components: usize, data: &[f64]) {
+        let shape = if components == 1 { String::new() } else { format!(" ({components} numbers)") };
+        let (min, max) = data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let not_numbers = data.iter().filter(|x| x.is_nan()).count();
+        self.add(place, format!("{name}{shape}, {}", range(min, max, not_numbers)));
+    }
+
     /// Results that a file has on its points and cells.
     fn columns(&mut self, data: &VtkData) {
         for column in data.summaries() {
@@ -150,6 +224,10 @@ impl Lines {
             let axes: String = (0..3).filter(|&k| domain.periodic()[k]).map(|k| ['x', 'y', 'z'][k]).collect();
             let periodic = if axes.is_empty() { "not periodic".into() } else { format!("periodic along {axes}") };
             self.add("box", format!("{} to {}, {periodic}", vector(domain.low()), vector(domain.high())));
+            if !domain.is_orthogonal() {
+                let [xy, xz, yz] = domain.tilt().map(number);
+                self.add("  tilted by", format!("xy {xy}, xz {xz}, yz {yz}; the corners above are those without"));
+            }
         }
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
@@ -186,10 +264,7 @@ impl Lines {
             }
         }
         for q in particles.quantities() {
-            let shape = if q.components == 1 { String::new() } else { format!(" ({} numbers)", q.components) };
-            let (min, max) = q.data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-            let not_numbers = q.data.iter().filter(|x| x.is_nan()).count();
-            self.add("column", format!("{}{shape}, {}", q.name, range(min, max, not_numbers)));
+            self.column("column", &q.name, q.components, &q.data);
         }
     }
 }
