@@ -168,7 +168,8 @@ pub fn run(
     }
 }
 
-/// All particles with their columns, in the order of their numbers.
+/// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and
+/// volumes are known.
 ///
 /// # Errors
 /// [`SphError::Particles`] where a position is not finite.
@@ -190,6 +191,7 @@ pub fn particles_of(solver: &Solver) -> Result<Particles, SphError> {
         .with_ids(order.iter().map(|&i| i64::from(state.id[i])).collect())?
         .with_quantity(vector("velocity", &state.u))?
         .with_quantity(scalar("density", &|i| state.density[i]))?
+        .with_quantity(scalar("mass", &|_| fluid.particle_mass()))?
         .with_quantity(scalar("pressure", &|i| fluid.pressure(state.density[i])))?;
     if solver.detects() {
         particles = particles.with_quantity(scalar("region", &|i| f64::from(solver.regions()[i])))?;
