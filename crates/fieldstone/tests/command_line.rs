@@ -417,7 +417,7 @@ fn with_smoothing_and_cap_the_field_before_each_is_kept_and_both_maxima_are_told
     let folder = small_case();
     let run = |options: &str| {
         let command = format!("fraction --mesh case --particles balls.csv --out o.vtu --json o.json {options}");
-        folder.succeeds(&command)
+        folder.succeeds(&command).stdout
     };
     run("");
     let plain = column(&folder, "o.vtu", "solid_fraction");

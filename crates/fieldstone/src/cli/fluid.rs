@@ -129,7 +129,7 @@ fn check_room(nodes: &Nodes, numbers: usize, available: Option<u64>) -> anyhow::
     match available {
         Some(available) if needed > available => bail!(
             "--cell, --spacing: the fields on {count} nodes need about {:.1} GB of memory, and {:.1} GB are free; give larger \
-             cells or less particles",
+             cells",
             gigabytes(needed),
             gigabytes(available)
         ),
