@@ -16,6 +16,10 @@ const COLUMNS: [&str; 15] = [
     "id", "type", "x", "y", "z", "radius", "vx", "vy", "vz", "mass", "c_s[1]", "c_s[2]", "c_s[3]", "c_s[4]", "f_other",
 ];
 
+/// Between these, sizes can be computed with.
+const SMALLEST: f64 = 1e-100;
+const LARGEST: f64 = 1e100;
+
 fn finite() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits).prop_filter("finite", |v| v.is_finite()),
@@ -24,15 +28,28 @@ fn finite() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// A coordinate that can be computed with.
+fn coordinate() -> impl Strategy<Value = f64> {
+    finite().prop_map(|x| if x.abs() > LARGEST { x.signum() * LARGEST } else { x })
+}
+
+/// A radius that can be computed with, any of its 64 bits.
 fn positive() -> impl Strategy<Value = f64> {
-    any::<u64>().prop_map(|b| f64::from_bits(b >> 1)).prop_filter("positive", |v| v.is_finite() && *v > 0.0)
+    (SMALLEST.to_bits()..=LARGEST.to_bits()).prop_map(f64::from_bits)
 }
 
 type Grain = (i64, i32, [f64; 3], f64, [f64; 3], [f64; 6]);
 
 fn grain() -> impl Strategy<Value = Grain> {
     let triple = || prop::array::uniform3(finite());
-    (any::<i64>(), any::<i32>(), triple(), positive(), triple(), prop::array::uniform6(finite()))
+    (
+        any::<i64>(),
+        any::<i32>(),
+        prop::array::uniform3(coordinate()),
+        positive(),
+        triple(),
+        prop::array::uniform6(finite()),
+    )
 }
 
 fn value(grain: &Grain, column: usize) -> String {

@@ -567,3 +567,27 @@ fn the_help_of_the_free_surface_commands_reads_well() {
     insta::assert_snapshot!("help_grid", folder.succeeds("grid --help").stdout);
     insta::assert_snapshot!("help_surface", folder.succeeds("surface --help").stdout);
 }
+
+#[test]
+fn frames_of_a_run_have_the_mass_that_is_shared_out_and_with_its_walls_the_surface_of_the_solver() {
+    let folder = Folder::new();
+    folder.write(
+        "tank.toml",
+        "dimension = 3\nspacing = 0.1\n[domain]\nlow = [0, 0, 0]\nhigh = [0.8, 0.8, 1.2]\nopen = [\"z+\"]\n\
+         [fluid]\ndensity = 1000.0\nexpected_speed = 2.0\nexpected_pressure = 8000.0\ngravity = [0, 0, -9.81]\n\
+         [time]\nend = 0.001\n[[fill]]\nshape = \"box\"\nlow = [0, 0, 0]\nhigh = [0.8, 0.8, 0.6]\n\
+         [[wall]]\nkind = \"tank\"\n[shifting]\ndetection = \"exact\"\n",
+    );
+    folder.succeeds("sph run tank.toml --out run");
+    folder.succeeds("grid --particles run/particles.pvd --spacing 0.1 --conserve mass --out mass.vti");
+    let mass: f64 =
+        read_vtk(&folder.path("mass.vti")).unwrap().array("mass_total").unwrap().values.to_f64().iter().sum();
+    assert!((mass / (1000.0 * 0.8 * 0.8 * 0.6) - 1.0).abs() < 1e-9, "{mass}");
+    let walls = "--wall 1,0,0,0 --wall -1,0,0,-0.8 --wall 0,1,0,0 --wall 0,-1,0,-0.8 --wall 0,0,1,0";
+    folder.succeeds(&format!("detect --particles run/particles.pvd --spacing 0.1 {walls} --frames 0 --out out.vtp"));
+    let found = read_vtk(&folder.path("out.vtp")).unwrap();
+    let column = |name: &str| found.array(name).unwrap().values.to_f64();
+    let free = column("free_surface").iter().filter(|&&free| free == 1.0).count();
+    assert_eq!(free, 64);
+    assert_eq!(column("region").iter().filter(|&&region| region == 0.0).count(), free);
+}
