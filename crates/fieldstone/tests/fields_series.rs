@@ -214,3 +214,25 @@ fn the_number_in_the_name_is_the_step_where_files_state_neither_step_nor_time() 
     assert_eq!(found, [0.0, 0.5, 1.0]);
     mentions(&told, &["a.csv: the frames state neither time nor step", "equally spaced, 0.5 apart"]);
 }
+
+#[test]
+fn frames_that_a_pvd_lists_have_its_times() {
+    let folder = Folder::new();
+    let ball = |x: f64| format!("id,x,y,z,radius,mass\n1,{x},0.5,0.5,0.1,1\n");
+    folder.write("a.csv", ball(0.3));
+    folder.write("b.csv", ball(0.6));
+    let entry = |time: f64, file: &str| format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
+    let list = format!("<Collection>{}{}</Collection>", entry(0.5, "b.csv"), entry(2.5, "a.csv"));
+    folder.write(
+        "frames.pvd",
+        format!("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">{list}</VTKFile>\n"),
+    );
+    let fields = "fields --particles frames.pvd --grid 0,1,0,1,0,1 --cells 2,1,1 --fields density,displacement";
+    let run = folder.succeeds(&format!("{fields} --out out.pvd"));
+    assert!(!run.stderr.contains("equally spaced"), "{}", run.stderr);
+    let found = vtk::read_pvd(&folder.path("out.pvd")).unwrap();
+    assert_eq!(found.len(), 1, "the last frame has no displacement");
+    assert_eq!(found[0].0, 0.5);
+    let density = vtk::read_vtk(&found[0].1).unwrap().array("density").unwrap().values.to_f64();
+    assert!((density[1] - 2.0).abs() < 1e-12 && density[0] < 1e-20, "{density:?}");
+}

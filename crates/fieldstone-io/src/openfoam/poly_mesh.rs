@@ -22,7 +22,7 @@ use super::stream::Stream;
 /// A case without a mesh of its own but with `processor0…N` is read as one mesh: `processor` patches turned back into
 /// internal faces, patches and zones of one name joined. Pieces of cyclic patches (`processorCyclic`) are added to the
 /// patch that they were cut from. Cells are in the order of the undecomposed case where every part has a
-/// `cellProcAddressing`, else in that of the processors ([`has_case_order`] tells).
+/// `cellProcAddressing`, else in that of the processors ([`has_case_order`](crate::openfoam::has_case_order) tells).
 ///
 /// # Errors
 /// [`IoError`] with file and line, or byte in binary files, for a missing or damaged file, counts that do not

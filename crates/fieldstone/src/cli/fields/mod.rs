@@ -22,7 +22,9 @@ use fieldstone::fields::{
     CoarseGrainingOptions, Field, FieldName, Fields, FieldsError, Function, Kernel, Method, Selection, UserQuantity,
     Weights, field_at_particles,
 };
-use fieldstone::io::{BackgroundSeries, ContactFiles, FrameRange, ParticleOptions, Series, find_files, read_restart};
+use fieldstone::io::{
+    BackgroundSeries, ContactFiles, FrameRange, ParticleOptions, Series, find_files, find_times, read_restart,
+};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -83,6 +85,8 @@ struct Run<'a> {
     out: &'a Path,
     format: Format,
     files: Vec<PathBuf>,
+    /// Time of each file, where a .pvd lists them.
+    times: Vec<f64>,
     contacts: Vec<ContactFiles>,
     range: FrameRange,
     periodic: Periodic,
@@ -166,6 +170,7 @@ impl<'a> Run<'a> {
             out,
             format,
             files,
+            times: find_times(particles)?,
             contacts,
             range: FrameRange::default(),
             periodic: settings.periodic.as_deref().unwrap_or("auto").parse().map_err(|e| anyhow!("--periodic: {e}"))?,
@@ -266,7 +271,9 @@ impl<'a> Run<'a> {
     }
 
     fn series(&self, with_contacts: bool) -> Series {
-        let series = Series::new(self.files.clone(), self.particle_options()).with_range(self.range);
+        let series = Series::new(self.files.clone(), self.particle_options())
+            .with_times(self.times.clone())
+            .with_range(self.range);
         let series = match self.periodic {
             Periodic::Given(axes) => series.with_periodic(axes),
             Periodic::Auto => series,

@@ -15,7 +15,7 @@ use fieldstone::sph::Case;
 use plotters::style::RGBColor;
 
 use self::data::Curved;
-use super::flow_run::{FlowRun, Flows};
+use super::flow_run::Flows;
 use crate::cli::reproduce::plots::{COLOURS, Curve, Plot};
 
 /// A flow with measurements.
@@ -46,16 +46,22 @@ impl Experiment {
 
     /// Its section of the page, with measurements from the folder `data`; spacings are those of the cases over `refinement`.
     pub fn section(self, flows: &Flows, refinement: f64, folder: &Path, data: &Path) -> anyhow::Result<String> {
-        let (name, text, section): (_, _, fn(&FlowRun, &Path, &Path) -> anyhow::Result<String>) = match self {
-            Self::Column => ("column", include_str!("column.toml"), column::section),
-            Self::Buchner => ("buchner", include_str!("buchner.toml"), buchner::section),
-            Self::Spheric2 => ("spheric-2", include_str!("spheric-2.toml"), spheric_2::section),
-            Self::TallStructure => ("tall-structure", include_str!("tall-structure.toml"), tall_structure::section),
+        let (name, text) = match self {
+            Self::Column => ("column", include_str!("column.toml")),
+            Self::Buchner => ("buchner", include_str!("buchner.toml")),
+            Self::Spheric2 => ("spheric-2", include_str!("spheric-2.toml")),
+            Self::TallStructure => ("tall-structure", include_str!("tall-structure.toml")),
         };
         let mut case = Case::parse(text, name)?;
         case.sections.spacing /= refinement;
         let end = case.sections.time.end;
-        section(&flows.run(name, case, &[end], &[])?, folder, data)
+        let flow = flows.run(name, case, &[end], &[])?;
+        match self {
+            Self::Column => column::section(&flow, folder, data),
+            Self::Buchner => buchner::section(&flow, folder, data),
+            Self::Spheric2 => spheric_2::section(&flow, folder, data),
+            Self::TallStructure => tall_structure::section(&flow, folder, data),
+        }
     }
 }
 
