@@ -13,17 +13,7 @@ use fieldstone::io::openfoam::{InternalValues, read_internal_field};
 use fieldstone::io::{CsvTable, ParticleOptions, read_frame, read_mesh, vtk};
 use fieldstone_testing::data;
 use support::Folder;
-
-/// Balls in and around the mesh `data/openfoam/refined`, a skewed box of about 1 × 1 × 1.
-const BALLS: &str = "\
-id,x,y,z,radius,weight
-1,0.5,0.5,0.5,0.25,1
-2,0.1,0.15,0.2,0.1,2
-3,0.9,0.8,0.85,0.12,3
-4,0.3,0.75,0.25,0.2,4
-5,0.6,0.2,0.05,0.1,5
-6,2,2,2,0.1,6
-";
+use support::cases::{column, json, one_ball, small_case};
 
 fn ball(r: f64) -> f64 {
     4.0 / 3.0 * PI * r * r * r
@@ -33,29 +23,12 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-13 * a.abs().max(b.abs())
 }
 
-/// A folder with the mesh `case` of 19 cells and the particles `balls.csv`.
-fn small_case() -> Folder {
-    let folder = Folder::new();
-    folder.copy(&data("openfoam/refined"), "case");
-    folder.write("balls.csv", BALLS);
-    folder
-}
-
 /// A folder with the demo's mesh `bed` and packing `packed.dump.gz`.
 fn bed() -> Folder {
     let folder = Folder::new();
     folder.copy(&data("bed_twist"), "bed");
     folder.copy(&data("packed-cylinder/packed.dump.gz"), "packed.dump.gz");
     folder
-}
-
-/// A column of a `.vtu` or `.vti`.
-fn column(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
-    vtk::read_vtk(&folder.path(file)).unwrap().array(name).unwrap().values.to_f64()
-}
-
-fn json(folder: &Folder, file: &str) -> serde_json::Value {
-    serde_json::from_slice(&std::fs::read(folder.path(file)).unwrap()).unwrap()
 }
 
 fn total(field: &[f64]) -> f64 {
@@ -304,11 +277,7 @@ fn smoothing_conserves_volume_the_cap_bounds_and_both_keep_the_plain_field() {
 #[test]
 fn the_tilt_of_a_box_is_told() {
     let folder = Folder::new();
-    folder.write(
-        "tilted.dump",
-        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 1.25 0.25\n0 1 0\n0 1 0\n\
-         ITEM: ATOMS id x y z radius\n1 0.5 0.5 0.5 0.25\n",
-    );
+    folder.write("tilted.dump", one_ball("xy xz yz pp pp pp\n0 1.25 0.25\n0 1 0\n0 1 0", "1 0.5 0.5 0.5 0.25"));
     let told = folder.succeeds("info tilted.dump").stdout;
     assert!(told.contains("tilted by          xy 0.25, xz 0, yz 0"), "{told}");
 }
@@ -316,100 +285,12 @@ fn the_tilt_of_a_box_is_told() {
 #[test]
 fn volume_that_is_counted_twice_is_not_called_outside_the_mesh() {
     let folder = Folder::new();
-    folder.write(
-        "box.dump",
-        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n\
-         ITEM: ATOMS id x y z radius\n1 0.25 0.5 0.5 0.25\n",
-    );
+    folder.write("box.dump", one_ball("pp pp pp\n0 1\n0 1\n0 1", "1 0.25 0.5 0.5 0.25"));
     let run =
         folder.succeeds("fraction --grid 0,2,0,1,0,1 --cells 4,2,2 --particles box.dump --periodic x --out o.vti");
     let line = run.stdout.lines().find(|line| line.starts_with("counted twice ")).unwrap();
     assert!(line.contains("(100.0000 %, in cells that overlap each other or repeat the periodic box)"), "{line}");
     assert!(!run.stdout.contains("outside the mesh"), "{}", run.stdout);
-}
-
-/// Turns each face of a plain copy of the mesh the other way round.
-fn turn_faces(text: &str) -> String {
-    let line = |line: &str| match line.strip_suffix(')').and_then(|l| l.split_once('(')) {
-        Some((count, corners)) if !count.is_empty() => {
-            let corners: Vec<&str> = corners.split_whitespace().rev().collect();
-            format!("{count}({})\n", corners.join(" "))
-        }
-        _ => format!("{line}\n"),
-    };
-    text.lines().map(line).collect()
-}
-
-#[test]
-fn cells_that_are_inside_out_are_named() {
-    let folder = Folder::new();
-    folder.copy(&data("openfoam/decomposed/whole"), "case");
-    folder.write("balls.csv", BALLS);
-    let faces = folder.path("case/constant/polyMesh/faces");
-    let turned = turn_faces(&std::fs::read_to_string(&faces).unwrap());
-    std::fs::write(&faces, turned).unwrap();
-    let run = folder.succeeds("fraction --mesh case --particles balls.csv --out o.vtu");
-    let found = "case: 12 cells are inside out (cells 0, 1, 2, 3, 4, …, from 0)";
-    assert!(run.stderr.contains(found) && run.stderr.contains("counted twice"), "{}", run.stderr);
-}
-
-#[test]
-fn results_on_another_mesh_than_the_case_has_at_that_time_are_refused() {
-    let folder = small_case();
-    folder.copy(&data("openfoam/decomposed/whole"), "other");
-    let message = folder.fails("fraction --mesh other --particles balls.csv --out case/8");
-    for part in ["--out case/8", "case, has 19 cells, and other has 12", "give --mesh case"] {
-        assert!(message.contains(part), "{message}");
-    }
-    assert!(!folder.path("case/8").exists());
-    // The same mesh from another file fits.
-    folder.succeeds("fraction --mesh case --particles balls.csv --out copy.vtu");
-    folder.succeeds("fraction --mesh copy.vtu --particles balls.csv --out case/8");
-
-    // From time 0.5 on its points have moved.
-    let points = std::fs::read_to_string(folder.path("other/constant/polyMesh/points")).unwrap();
-    folder.write("other/0.5/polyMesh/points", points.replace(" 0.5 ", " 0.55 "));
-    folder.succeeds("fraction --mesh other --particles balls.csv --out other/0.25");
-    for time in ["0.5", "0.75"] {
-        let message = folder.fails(&format!("fraction --mesh other --particles balls.csv --out other/{time}"));
-        for part in ["cell 0 is at (", "in the mesh of this time, other/0.5", "give --mesh other/0.5"] {
-            assert!(message.contains(part), "{message}");
-        }
-        folder.succeeds(&format!("fraction --mesh other/0.5 --particles balls.csv --out other/{time}"));
-    }
-}
-
-#[test]
-fn results_of_a_decomposed_case_are_those_of_the_whole_one() {
-    let folder = Folder::new();
-    folder.copy(&data("openfoam/decomposed"), "case");
-    folder.write("balls.csv", BALLS);
-    folder.succeeds("fraction --mesh case/whole --particles balls.csv --out whole.csv");
-    let run = folder.succeeds("fraction --mesh case --particles balls.csv --out case/1");
-    assert!(!run.stderr.contains("cellProcAddressing"), "{}", run.stderr);
-    let joined = read_internal_field(&folder.path("case/1/alpha.solids")).unwrap().values(12).unwrap();
-    let whole = CsvTable::read(&folder.path("whole.csv")).unwrap().column("solid_fraction").unwrap();
-    assert!(whole.iter().zip(&joined).all(|(a, b)| (a - b).abs() < 1e-14), "{whole:?} {joined:?}");
-    std::fs::remove_file(folder.path("case/processor2/constant/polyMesh/cellProcAddressing")).unwrap();
-    let run = folder.succeeds("fraction --mesh case --particles balls.csv --out case/2");
-    assert!(run.stderr.contains("case: without cellProcAddressing") && run.stderr.contains("case/2"), "{}", run.stderr);
-}
-
-#[test]
-fn outputs_that_openfoam_cannot_have_are_refused_with_the_reason() {
-    let folder = small_case();
-    let grid = "--grid 0,1,0,1,0,1 --cells 2,2,2";
-    for (cells, out, found) in [
-        (grid, "case/9", "--out case/9: OpenFOAM's fields need a mesh (--mesh); a grid is written as .vti or .csv"),
-        (
-            "--mesh case",
-            "case/0/air",
-            "--out case/0/air: results are not written into time folders of regions; use .vtu",
-        ),
-    ] {
-        let message = folder.fails(&format!("fraction {cells} --particles balls.csv --out {out}"));
-        assert!(message.contains(found), "{message}");
-    }
 }
 
 #[test]
@@ -436,11 +317,7 @@ fn with_smoothing_and_cap_the_field_before_each_is_kept_and_both_maxima_are_told
 #[test]
 fn periodic_directions_are_those_of_the_file_or_those_given() {
     let folder = Folder::new();
-    folder.write(
-        "corner.dump",
-        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n0 1\n0 1\n0 1\n\
-         ITEM: ATOMS id x y z radius\n1 0 0 0 0.25\n",
-    );
+    folder.write("corner.dump", one_ball("pp pp ff\n0 1\n0 1\n0 1", "1 0 0 0 0.25"));
     let share = |options: &str| {
         let grid = "--grid 0,1,0,1,0,1 --cells 4,4,4";
         let line = format!("fraction {grid} --particles corner.dump --out o.csv --json s.json {options}");

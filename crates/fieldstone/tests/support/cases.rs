@@ -1,12 +1,39 @@
-//! Small cases for coarse graining, and how results are looked at.
+//! Small cases, and how results are looked at.
 
 #![allow(dead_code, reason = "not every suite needs all")]
 
 use std::path::Path;
 
 use fieldstone::io::vtk;
+use fieldstone_testing::data;
 
 use super::Folder;
+
+/// Balls in and around the mesh `data/openfoam/refined`, a skewed box of about 1 × 1 × 1.
+pub const BALLS: &str = "\
+id,x,y,z,radius,weight
+1,0.5,0.5,0.5,0.25,1
+2,0.1,0.15,0.2,0.1,2
+3,0.9,0.8,0.85,0.12,3
+4,0.3,0.75,0.25,0.2,4
+5,0.6,0.2,0.05,0.1,5
+6,2,2,2,0.1,6
+";
+
+/// A folder with the mesh `case` of 19 cells and the particles `balls.csv`.
+pub fn small_case() -> Folder {
+    let folder = Folder::new();
+    folder.copy(&data("openfoam/refined"), "case");
+    folder.write("balls.csv", BALLS);
+    folder
+}
+
+/// A dump of one ball, `id x y z radius`, in a box: its flags, and its bounds line by line.
+pub fn one_ball(bounds: &str, ball: &str) -> String {
+    format!(
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS {bounds}\nITEM: ATOMS id x y z radius\n{ball}\n"
+    )
+}
 
 /// Five grains of a chute flow with all contacts among them and with the floor; periodic in x and y.
 pub fn grains() -> Folder {
@@ -56,6 +83,7 @@ pub fn json(folder: &Folder, file: &str) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(folder.path(file)).unwrap()).unwrap()
 }
 
+/// A column of a `.vtu` or `.vti`.
 pub fn column(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
     vtk::read_vtk(&folder.path(file)).unwrap().array(name).unwrap().values.to_f64()
 }
