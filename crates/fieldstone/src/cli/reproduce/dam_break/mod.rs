@@ -51,7 +51,7 @@ pub(super) struct DamBreak {
     /// CFL number, instead of the case's; the shift per step goes with it
     #[arg(long, value_name = "C", value_parser = arguments::positive)]
     cfl: Option<f64>,
-    /// Artificial viscosity, instead of the case's 0.02; the paper does not say its own
+    /// Artificial viscosity α, instead of the case's; the paper does not say its own
     #[arg(long, value_name = "A", value_parser = arguments::not_negative)]
     alpha: Option<f64>,
     /// Shifting by Eq. 11 to the letter: near the surface only particles closer than the nearest free-surface one count
