@@ -9,7 +9,7 @@
 //! over Δx. A row is printed every 0.1 s.
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_sph::{Integrator, SHIPPED, Solver, front};
+use fieldstone_sph::{DirectionName, Integrator, SHIPPED, Solver, front};
 
 /// Processor time of the whole program.
 fn clock() -> f64 {
@@ -63,7 +63,7 @@ fn report(run: &str, solver: &Solver, stages: u64, seconds: f64) {
     println!(
         "{run}, {:.3}, {:.4}, {:.2}, {:.2}, {:.3}, {:.3}, {free}, {:.0}, {}, {}, {}, {seconds:.2}",
         solver.time(),
-        front(solver, 0),
+        front(solver, DirectionName::X),
         energies.kinetic,
         energies.potential,
         energies.compression,

@@ -1,4 +1,4 @@
-use crate::{Boundaries, GaugeKind, GaugeSection, Solver, SphError};
+use crate::{Boundaries, DirectionName, GaugeKind, GaugeSection, Solver, SphError};
 
 /// Names of the columns of a run's table: the flow as a whole, then the gauges; `free_surface` only where a run `detects` it.
 ///
@@ -88,7 +88,7 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         match gauge.kind {
             GaugeKind::Pressure => row.push(pressure_at(solver, gauge.place())),
             GaugeKind::Level => row.push(level_over(solver, gauge.place())),
-            GaugeKind::Front => row.push(front(solver, gauge.axis.map_or(0, |a| a as usize))),
+            GaugeKind::Front => row.push(front(solver, gauge.axis.unwrap_or_default())),
             GaugeKind::Force => {
                 let body = gauge.body.unwrap_or(0);
                 row.extend(forces.as_ref().and_then(|f| f.bodies.get(body)).copied().unwrap_or_default());
@@ -146,20 +146,25 @@ pub fn level_over(solver: &Solver, at: [f64; 3]) -> f64 {
     if highest.is_finite() { highest + 0.5 * fluid.spacing } else { solver.flow().boundaries.low[up] }
 }
 
-/// Farthest particle along an axis, and half a spacing; droplets without another particle within 1.5 Δx do not count.
-pub fn front(solver: &Solver, axis: usize) -> f64 {
+/// Coordinate of the particle that is farthest along or against an axis, and half a spacing more; droplets without another particle
+/// within 1.5 Δx do not count. Without any particle the domain's face behind.
+pub fn front(solver: &Solver, direction: DirectionName) -> f64 {
+    let (axis, sign) = (direction.axis(), direction.sign());
     let fluid = &solver.flow().fluid;
     let x = &solver.state().x;
+    // Measured the way the front runs.
+    let along = |i: usize| sign * x[i][axis];
     let mut order: Vec<usize> = (0..x.len()).collect();
-    order.sort_unstable_by(|&a, &b| x[b][axis].total_cmp(&x[a][axis]).then(a.cmp(&b)));
+    order.sort_unstable_by(|&a, &b| along(b).total_cmp(&along(a)).then(a.cmp(&b)));
     let reach = 1.5 * fluid.spacing;
     for (rank, &i) in order.iter().enumerate() {
         let close = |j: usize| to_nearest_image(solver, x[j], x[i]).iter().map(|d| d * d).sum::<f64>() <= reach * reach;
-        let ahead = order[..rank].iter().rev().take_while(|&&j| x[j][axis] - x[i][axis] <= reach);
-        let behind = order[rank + 1..].iter().take_while(|&&j| x[i][axis] - x[j][axis] <= reach);
+        let ahead = order[..rank].iter().rev().take_while(|&&j| along(j) - along(i) <= reach);
+        let behind = order[rank + 1..].iter().take_while(|&&j| along(i) - along(j) <= reach);
         if ahead.chain(behind).any(|&j| close(j)) {
-            return x[i][axis] + 0.5 * fluid.spacing;
+            return x[i][axis] + sign * 0.5 * fluid.spacing;
         }
     }
-    solver.flow().boundaries.low[axis]
+    let boundaries = &solver.flow().boundaries;
+    if sign > 0.0 { boundaries.low[axis] } else { boundaries.high[axis] }
 }

@@ -34,7 +34,7 @@
 //! while solver.time() < 0.1 {
 //!     solver.step()?;
 //! }
-//! let front = fieldstone_sph::front(&solver, 0);
+//! let front = fieldstone_sph::front(&solver, fieldstone_sph::DirectionName::X);
 //! assert!(front > 0.16 && front < 0.25);
 //! let released = solver.budget().start - solver.energies().potential;
 //! assert!(released > 0.0 && solver.energy_residual().abs() < 0.01 * released);
@@ -76,9 +76,9 @@ pub use body::{Body, Shape};
 pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
-    AxisName, BodySection, Case, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind,
-    GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName, ShiftingSection,
-    ShippedCase, SlipName, TimeSection, WallKind, WallSection,
+    AxisName, BodySection, Case, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
+    GaugeKind, GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName,
+    ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
 pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};

@@ -4,7 +4,9 @@
 mod common;
 
 use common::{dam_break, run, state, tank};
-use fieldstone_sph::{Body, Flow, FluidOptions, Motion, Shape, Slip, Solver, SphError, level_over, pressure_at};
+use fieldstone_sph::{
+    Body, DirectionName, Flow, FluidOptions, Motion, Shape, Slip, Solver, SphError, front, level_over, pressure_at,
+};
 use fieldstone_surface::{Method, ScanningCone};
 
 #[test]
@@ -60,6 +62,26 @@ fn gauges_at_a_periodic_face_see_what_is_beyond_it() {
     let (low, high) = (at(0.0), at(0.4));
     assert!((low.0 - high.0).abs() < 1e-9 && low.0 > 50.0, "{low:?} {high:?}");
     assert!((low.1 - 0.2).abs() < 1e-12 && low.1 == high.1, "{low:?} {high:?}");
+}
+
+#[test]
+fn fronts_run_both_ways() {
+    let fluid = FluidOptions::new(2, 0.02, 2.0, 4000.0);
+    let boundaries = tank([0.0; 3], [1.0, 1.0, 0.0], &fluid, Slip::Free);
+    // A droplet at either end of the tank is no front.
+    let column = Shape::Box { low: [0.3, 0.0, 0.0], high: [0.5, 0.4, 0.0] };
+    let droplet = |x: f64| Shape::Box { low: [x, 0.1, 0.0], high: [x + 0.02, 0.12, 0.0] };
+    let state = state(&[column, droplet(0.1), droplet(0.9)], &fluid, |_| [0.0; 3], |_| 0.0);
+    let solver = Solver::new(Flow::new(fluid, boundaries), state).unwrap();
+    for (direction, expected) in [
+        (DirectionName::X, 0.5),
+        (DirectionName::AgainstX, 0.3),
+        (DirectionName::Y, 0.4),
+        (DirectionName::AgainstY, 0.0),
+    ] {
+        let found = front(&solver, direction);
+        assert!((found - expected).abs() < 1e-12, "{direction:?}: {found} for {expected}");
+    }
 }
 
 #[test]

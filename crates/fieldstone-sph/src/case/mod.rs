@@ -16,8 +16,9 @@ use serde::{Deserialize, Serialize};
 
 pub use motion::MotionSection;
 pub use sections::{
-    AxisName, BodySection, CaseIntegrator, DomainSection, FillSection, FlowName, FluidSection, GaugeKind, GaugeSection,
-    OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection, WallKind, WallSection,
+    AxisName, BodySection, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
+    GaugeKind, GaugeSection, OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection,
+    WallKind, WallSection,
 };
 pub use shipped::{SHIPPED, ShippedCase};
 

@@ -18,6 +18,42 @@ pub enum AxisName {
     Z,
 }
 
+/// An axis and which way along it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum DirectionName {
+    /// Along x.
+    #[default]
+    #[serde(rename = "x")]
+    X,
+    /// Along y.
+    #[serde(rename = "y")]
+    Y,
+    /// Along z.
+    #[serde(rename = "z")]
+    Z,
+    /// Against x.
+    #[serde(rename = "-x")]
+    AgainstX,
+    /// Against y.
+    #[serde(rename = "-y")]
+    AgainstY,
+    /// Against z.
+    #[serde(rename = "-z")]
+    AgainstZ,
+}
+
+impl DirectionName {
+    /// 0, 1 or 2.
+    pub fn axis(self) -> usize {
+        self as usize % 3
+    }
+
+    /// 1 along the axis, −1 against it.
+    pub fn sign(self) -> f64 {
+        if (self as usize) < 3 { 1.0 } else { -1.0 }
+    }
+}
+
 /// `[domain]`
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -512,7 +548,7 @@ pub enum GaugeKind {
     Pressure,
     /// Highest particle in the column of half-width Δx over `at`, and half a spacing.
     Level,
-    /// Farthest particle along `axis` that has others within 1.5 Δx, and half a spacing.
+    /// Farthest particle along `axis`, or against it, that has others within 1.5 Δx, and half a spacing.
     Front,
     /// Force on `body`: one column per axis.
     Force,
@@ -528,8 +564,8 @@ pub struct GaugeSection {
     pub kind: GaugeKind,
     /// Where, of a pressure or level.
     pub at: Option<Vec<f64>>,
-    /// Of a front; x.
-    pub axis: Option<AxisName>,
+    /// Of a front: which way it runs; x.
+    pub axis: Option<DirectionName>,
     /// Of a force: index of the body; 0.
     pub body: Option<usize>,
 }
@@ -561,8 +597,8 @@ impl GaugeSection {
                 }
                 Ok(())
             }
-            GaugeKind::Front if self.axis.map_or(0, |axis| axis as usize) < dimension => Ok(()),
-            GaugeKind::Front => Err(("axis", "there is no z in two dimensions; give x or y".into())),
+            GaugeKind::Front if self.axis.unwrap_or_default().axis() < dimension => Ok(()),
+            GaugeKind::Front => Err(("axis", "there is no z in two dimensions; give x, y, -x or -y".into())),
             GaugeKind::Force if self.body.unwrap_or(0) < bodies => Ok(()),
             GaugeKind::Force => {
                 Err(("body", format!("there are {bodies} bodies, numbered from 0; name one of them, or add one")))
