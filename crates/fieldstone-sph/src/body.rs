@@ -68,6 +68,50 @@ impl Shape {
         }
     }
 
+    /// Unit vector along which a point inside leaves the solid soonest. In two dimensions z does not count.
+    ///
+    /// Accuracy: rounding; 1e-6 for a surface of triangles, whose depth is differentiated. Where two ways out are equally long, one of
+    /// them, or of a surface what lies between.
+    pub fn way_out(&self, x: [f64; 3], dimension: usize) -> [f64; 3] {
+        let mut way = [0.0; 3];
+        let along =
+            |k: usize, toward: f64| -> [f64; 3] { std::array::from_fn(|a| if a == k { toward.signum() } else { 0.0 }) };
+        match *self {
+            Self::Box { low, high } => {
+                let (mut least, mut nearest) = (f64::INFINITY, way);
+                for k in 0..dimension {
+                    for (distance, toward) in [(x[k] - low[k], -1.0), (high[k] - x[k], 1.0)] {
+                        if distance < least {
+                            (least, nearest) = (distance, along(k, toward));
+                        }
+                    }
+                }
+                return nearest;
+            }
+            Self::Sphere { centre, .. } => (0..dimension).for_each(|k| way[k] = x[k] - centre[k]),
+            Self::Cylinder { centre, radius, length, axis } => {
+                (0..dimension).filter(|&k| k != axis).for_each(|k| way[k] = x[k] - centre[k]);
+                let side = radius - length_of(way);
+                if axis < dimension && 0.5 * length - (x[axis] - centre[axis]).abs() < side {
+                    return along(axis, x[axis] - centre[axis]);
+                }
+            }
+            Self::Surface(ref surface) => {
+                let (low, high) = surface.bounds();
+                let step = 1e-6 * (0..3).map(|k| high[k] - low[k]).fold(f64::INFINITY, f64::min);
+                for k in 0..3 {
+                    let beside = |sign: f64| {
+                        surface.depth(std::array::from_fn(|a| x[a] + if a == k { sign * step } else { 0.0 }))
+                    };
+                    way[k] = beside(-1.0) - beside(1.0);
+                }
+            }
+        }
+        let length = length_of(way);
+        // The centre of a disc, and the middle of a solid of triangles, are as far from every side.
+        if length > 0.0 { way.map(|w| w / length) } else { along(dimension - 1, 1.0) }
+    }
+
     /// Whether a point is inside. In two dimensions z does not count.
     pub fn contains(&self, x: [f64; 3], dimension: usize) -> bool {
         match self {
@@ -114,6 +158,10 @@ impl Shape {
     }
 }
 
+fn length_of(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// A solid body, at rest or in a prescribed motion: ghost particles whose pressure is interpolated from the fluid.
 ///
 /// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
@@ -146,6 +194,18 @@ impl Body {
     pub fn contains(&self, x: [f64; 3], time: f64, dimension: usize) -> bool {
         let moved = self.pose(time).displacement;
         self.shape.contains(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+    }
+
+    /// Unit vector along which a point inside leaves it soonest at a time.
+    pub(crate) fn way_out(&self, x: [f64; 3], time: f64, dimension: usize) -> [f64; 3] {
+        let moved = self.pose(time).displacement;
+        self.shape.way_out(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+    }
+
+    /// Distance into it from its surface at a time; negative outside.
+    pub(crate) fn depth(&self, x: [f64; 3], time: f64, dimension: usize) -> f64 {
+        let moved = self.pose(time).displacement;
+        self.shape.depth(std::array::from_fn(|k| x[k] - moved[k]), dimension)
     }
 
     /// Whether both stay where they are to each other.
@@ -206,6 +266,7 @@ impl Body {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
@@ -216,6 +277,34 @@ mod tests {
         assert_eq!(points.len(), 120 * 30 * 60);
         assert!((points.len() as f64 * volume - 0.216).abs() < 1e-12);
         assert!(points.iter().all(|p| shape.depth(*p, 3) > 0.0049));
+    }
+
+    #[test]
+    fn the_way_out_leads_to_the_surface() {
+        let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let surface = ClosedSurface::new(corner.to_vec(), faces).unwrap();
+        let shapes = [
+            Shape::Box { low: [-0.2, 0.0, 0.1], high: [1.0, 0.7, 0.9] },
+            Shape::Sphere { centre: [0.3, 0.2, 0.4], radius: 0.5 },
+            Shape::Cylinder { centre: [0.3, 0.3, 0.3], radius: 0.4, length: 0.6, axis: 2 },
+            Shape::Surface(Arc::new(surface)),
+        ];
+        for (shape, dimension) in shapes.iter().flat_map(|s| [(s, 2), (s, 3)]) {
+            if dimension == 2 && matches!(shape, Shape::Surface(_)) {
+                continue;
+            }
+            for x in [[0.3, 0.25, 0.35], [0.21, 0.3, 0.2], [0.12, 0.2, 0.31]] {
+                let (depth, way) = (shape.depth(x, dimension), shape.way_out(x, dimension));
+                assert!(depth > 0.0 && (length_of(way) - 1.0).abs() < 1e-12 && (dimension == 3 || way[2] == 0.0));
+                let at = |share: f64| -> [f64; 3] { std::array::from_fn(|k| x[k] + share * depth * way[k]) };
+                assert!(shape.depth(at(1.0), dimension).abs() < 1e-5 * depth, "{shape:?} {x:?} {way:?}");
+                assert!(!shape.contains(at(1.0001), dimension) && shape.contains(at(0.9999), dimension));
+            }
+            let centre = shape.bounds();
+            let middle: [f64; 3] = std::array::from_fn(|k| 0.5 * (centre.0[k] + centre.1[k]));
+            assert!((length_of(shape.way_out(middle, dimension)) - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

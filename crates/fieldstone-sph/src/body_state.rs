@@ -12,11 +12,12 @@ const DRY: f64 = 1e-6;
 ///
 /// $$ p_g = \frac{\sum_j [p_j + \rho_0\,(g - a)\cdot(x_g - x_j)]\,W_{gj}V_j}{\sum_j W_{gj}V_j} $$
 ///
-/// over fluid particles and their images, with the body's acceleration a. A ghost without any has p = 0 and volume 0: it stays out of every sum.
+/// over fluid particles and their images, with the body's acceleration a across its nearest face: that along the face does not move the
+/// fluid, whatever the friction, and would make a pressure where a plate slides through water. A ghost without any has p = 0 and volume 0: it stays out of every sum.
 ///
 /// The velocity in the viscous term is 2U less that of the fluid nearby, so that the mean of both is the body's, U.
 ///
-/// Source: `adami2012`.
+/// Source: `adami2012`, where a is the whole acceleration.
 pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
     if points.bodies.x.is_empty() {
         return;
@@ -27,7 +28,7 @@ pub(crate) fn interpolate(points: &mut Points, fluid: &FluidOptions) {
         .into_par_iter()
         .map(|body| {
             let at = points.bodies.x[body];
-            let acceleration = points.bodies.pose_of(body).acceleration;
+            let acceleration = points.bodies.acceleration_across(body);
             let rest: [f64; 3] = std::array::from_fn(|k| stiffness * (fluid.gravity[k] - acceleration[k]));
             let (mut weight, mut density, mut velocity) = (0.0, 0.0, [0.0; 3]);
             for_each_fluid(points, &kernel, body, |j, w| {

@@ -1,9 +1,10 @@
 use rayon::prelude::*;
 
-use crate::FluidOptions;
 use crate::cluster::{TINY, inverse_root};
+use crate::energy::accumulate;
 use crate::points::{Kind, Points};
 use crate::shifting::INSIDE;
+use crate::{Boundaries, FluidOptions, MirrorWall};
 
 /// Particles per task.
 const CHUNK: usize = 256;
@@ -35,14 +36,18 @@ impl BoundaryForces {
 /// Sums the pair forces between fluid particles and ghosts: what Eq. 4 gives them, with the opposite sign and with
 /// the root of [`Rates`](crate::rates::Rates), so that momentum is accounted for to rounding.
 ///
+/// A ghost of a body beyond a mirror wall stands for the body's part before it: what is across the wall of the force on it is the
+/// wall's. Otherwise the water beside a post would press it to the floor, by 0.4 Δx times the pressure there and unit of width.
+///
 /// Images through periodic faces are fluid. With tensile control `tensile` has the regions, as for the rates.
 /// Summed in a fixed order: by particle within tasks of fixed size, then by task.
 pub(crate) fn boundary_forces(
     points: &Points,
     fluid: &FluidOptions,
-    bodies: usize,
+    boundaries: &Boundaries,
     tensile: Option<&[u8]>,
 ) -> BoundaryForces {
+    let bodies = boundaries.bodies.len();
     let factor = fluid.kernel().slope_factor();
     let inverse_square = 1.0 / (fluid.h() * fluid.h());
     let friction = 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity();
@@ -75,13 +80,16 @@ pub(crate) fn boundary_forces(
             let pressure = stiffness * (excess + (other[4] - fluid.density));
             let viscous = weight * friction * approach * (inverse * inverse) * inverse_square;
             let size = mass / own[4] * other[3] * factor * (left * left * left) * (pressure - viscous);
-            let target = match points.kind(j) {
-                Kind::Body(b) => &mut sum.bodies[points.bodies.body[b] as usize],
-                _ => &mut sum.walls,
+            let force = d.map(|d| size * d);
+            let on_body = match points.kind(j) {
+                Kind::Body(b) => {
+                    let on_body = along_walls(force, [other[0], other[1], other[2]], &boundaries.walls);
+                    accumulate(&mut sum.bodies[points.bodies.body[b] as usize], 1.0, on_body);
+                    on_body
+                }
+                _ => [0.0; 3],
             };
-            for k in 0..3 {
-                target[k] += size * d[k];
-            }
+            accumulate(&mut sum.walls, 1.0, std::array::from_fn(|k| force[k] - on_body[k]));
         }
     };
     let parts: Vec<BoundaryForces> = points
@@ -96,4 +104,14 @@ pub(crate) fn boundary_forces(
     let mut sum = BoundaryForces::none(bodies);
     parts.iter().for_each(|part| sum.add(part));
     sum
+}
+
+/// A vector at a place, without its part across the walls that the place lies behind.
+fn along_walls(mut vector: [f64; 3], place: [f64; 3], walls: &[MirrorWall]) -> [f64; 3] {
+    for wall in walls.iter().filter(|wall| wall.plane.distance(place) < 0.0) {
+        let normal = wall.plane.normal();
+        let across: f64 = (0..3).map(|k| vector[k] * normal[k]).sum();
+        accumulate(&mut vector, -across, normal);
+    }
+    vector
 }

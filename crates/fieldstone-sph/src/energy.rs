@@ -15,7 +15,7 @@ pub struct Budget {
     pub diffusive: f64,
     /// Work of walls and bodies, moving ones included, by which pressure and divergence do not cancel; with tensile control its work, too.
     pub boundaries: f64,
-    /// Potential energy by shifting and by putting particles back before a wall that they had passed.
+    /// Potential energy by shifting and by putting particles back before a wall or body that they had got into.
     pub shifting: f64,
     /// Work of surface tension.
     pub surface_tension: f64,
@@ -25,10 +25,10 @@ pub struct Budget {
     pub removed_mass: f64,
     /// Number of particles removed.
     pub removed: u64,
-    /// Times that a particle had passed a wall and was put back with its normal velocity reversed: by symmetry, it
-    /// changed places with its image.
+    /// Times that a particle had passed a wall and was put back with its normal velocity reversed (by symmetry, it
+    /// changed places with its image), or had got into a body and was put back without a velocity towards it.
     pub reflections: u64,
-    /// Times that a particle ended a step inside a body, which nothing but pressure keeps it out of.
+    /// Times that a particle ended a step inside a body, deeper than a spacing or with no way out.
     pub in_bodies: u64,
     /// Times that a gradient was set to 0 for want of L.
     pub singular: u64,

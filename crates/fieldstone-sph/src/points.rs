@@ -29,6 +29,8 @@ pub(crate) struct BodyGhosts {
     pub(crate) pose: Vec<Pose>,
     /// Ghosts without displacement; empty where no body moves.
     resting: Vec<[f64; 3]>,
+    /// Unit vectors out of the body; empty where no body moves.
+    outward: Vec<[f64; 3]>,
     /// Displacement of each body when the lists were built.
     listed: Vec<[f64; 3]>,
 }
@@ -54,6 +56,9 @@ impl BodyGhosts {
         ghosts.listed.resize(boundaries.bodies.len(), [0.0; 3]);
         if boundaries.bodies.iter().any(|b| b.motion.is_some()) {
             ghosts.resting.clone_from(&ghosts.x);
+            let outward =
+                |(x, body): (&[f64; 3], &u16)| boundaries.bodies[usize::from(*body)].shape.way_out(*x, fluid.dimension);
+            ghosts.outward = ghosts.x.par_iter().zip(&ghosts.body).map(outward).collect();
         }
         ghosts.place(boundaries, 0.0);
         ghosts
@@ -76,6 +81,14 @@ impl BodyGhosts {
     /// Pose of the body that a ghost belongs to.
     pub(crate) fn pose_of(&self, ghost: usize) -> &Pose {
         &self.pose[self.body[ghost] as usize]
+    }
+
+    /// Acceleration of a ghost's body across the nearest face: along a face the fluid does not follow.
+    pub(crate) fn acceleration_across(&self, ghost: usize) -> [f64; 3] {
+        let Some(outward) = self.outward.get(ghost) else { return [0.0; 3] };
+        let acceleration = self.pose_of(ghost).acceleration;
+        let across: f64 = (0..3).map(|k| acceleration[k] * outward[k]).sum();
+        outward.map(|n| across * n)
     }
 
     /// Farthest that a body has moved since the lists were built.

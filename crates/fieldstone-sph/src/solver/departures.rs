@@ -1,10 +1,13 @@
-//! Particles that have passed a wall, are inside a body, left through an opening, or are lost.
+//! Particles that have passed a wall, got into a body, left through an opening, or are lost.
 
 use rayon::prelude::*;
 
 use super::Solver;
 use crate::energy::accumulate;
 use crate::{Boundaries, Energies, SphError};
+
+/// How often a particle is put back in one step: out of one body it may come into the next.
+const MOST_RETURNS: usize = 4;
 
 impl Solver {
     /// A particle that has passed a mirror changes places with its image.
@@ -34,18 +37,54 @@ impl Solver {
         }
     }
 
-    /// Counts the particles inside bodies where these are now: nothing puts them back.
-    pub(super) fn count_in_bodies(&mut self) {
+    /// A particle that has got into a body is put back as far outside, and no longer approaches it.
+    ///
+    /// One that is deeper than a spacing did not get there in a step, and between bodies without room there is no outside: those stay, and
+    /// are counted.
+    pub(super) fn return_from_bodies(&mut self) {
         let Boundaries { bodies, .. } = &self.flow.boundaries;
         if bodies.is_empty() {
             return;
         }
-        let dimension = self.flow.fluid.dimension;
-        let x = &self.state.x;
+        let fluid = &self.flow.fluid;
+        let (dimension, time, x) = (fluid.dimension, self.time, &self.state.x);
+        let stiffness = fluid.density / (fluid.sound_speed * fluid.sound_speed);
+        let around = |x: [f64; 3]| bodies.iter().find(|body| body.contains(x, time, dimension));
         // Whoever has no ghost in reach is in no body.
-        let beside = self.stage.points.beside.par_iter().map(|&i| x[i as usize]);
-        let inside = |x: &[f64; 3]| bodies.iter().any(|body| body.contains(*x, self.time, dimension));
-        self.budget.in_bodies += beside.filter(inside).count() as u64;
+        let beside = self.stage.points.beside.par_iter().map(|&i| i as usize);
+        let inside: Vec<usize> = beside.filter(|&i| around(x[i]).is_some()).collect();
+        for i in inside {
+            let (start, mut u) = (self.state.x[i], self.state.u[i]);
+            let mut place = start;
+            for _ in 0..MOST_RETURNS {
+                let Some(body) = around(place) else { break };
+                let (way, depth) = (body.way_out(place, time, dimension), body.depth(place, time, dimension));
+                if depth > fluid.spacing {
+                    break;
+                }
+                let own = body.pose(time).velocity;
+                let approach: f64 = (0..3).map(|k| (u[k] - own[k]) * way[k]).sum::<f64>().min(0.0);
+                for k in 0..3 {
+                    place[k] += 2.0 * depth * way[k];
+                    u[k] -= approach * way[k];
+                }
+            }
+            if around(place).is_some() {
+                self.budget.in_bodies += 1;
+                continue;
+            }
+            let before = Energies::of_particle(start, self.state.u[i], self.state.density[i], fluid);
+            let depth: f64 = (0..3).map(|k| fluid.gravity[k] * (place[k] - start[k])).sum();
+            (self.state.x[i], self.state.u[i]) = (place, u);
+            self.state.density[i] += stiffness * depth;
+            let after = Energies::of_particle(place, u, self.state.density[i], fluid);
+            self.budget.boundaries += after.kinetic - before.kinetic;
+            self.budget.shifting += after.total() - after.kinetic - (before.total() - before.kinetic);
+            for k in 0..3 {
+                self.budget.momentum.bodies[k] += after.momentum[k] - before.momentum[k];
+            }
+            self.budget.reflections += 1;
+        }
     }
 
     pub(super) fn check_particles(&self) -> Result<(), SphError> {

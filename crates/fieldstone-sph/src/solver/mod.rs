@@ -426,7 +426,7 @@ impl Solver {
     fn latest_forces(&self) -> BoundaryForces {
         let Flow { fluid, boundaries, .. } = &self.flow;
         let tensile = fluid.tensile_control.then_some(&self.regions[..]);
-        boundary_forces(&self.stage.points, fluid, boundaries.bodies.len(), tensile)
+        boundary_forces(&self.stage.points, fluid, boundaries, tensile)
     }
 
     /// Largest speed of a particle at the start of any step since time 0.
@@ -475,9 +475,9 @@ impl Solver {
         self.steps += 1;
         self.last_step = dt;
         self.stage.place_bodies(self.time, &self.flow);
+        self.return_from_bodies();
         self.reflect_at_walls();
         self.check_particles()?;
-        self.count_in_bodies();
         let removed = self.remove_beyond_openings();
         self.stage.phases.add(Phase::Rest, &mut clock);
         if self.detector.is_some() {

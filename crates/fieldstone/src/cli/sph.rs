@@ -228,8 +228,8 @@ impl Run {
             }
             if budget.in_bodies > 0 {
                 report::warn(&format!(
-                    "{} times a particle ended a step inside a body (in_bodies in {}): the flow there is wrong; raise sound_speed, \
-                     lessen the spacing, or give fluid and bodies surfaces that fit",
+                    "{} times a particle ended a step deeper than a spacing inside a body, or between bodies without room (in_bodies in \
+                     {}): the flow there is wrong; let bodies start outside the fluid, leave it room, or lessen the spacing",
                     budget.in_bodies,
                     files.gauges().display()
                 ));
