@@ -1,3 +1,4 @@
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -120,12 +121,28 @@ impl Shape {
         }
     }
 
-    /// Centres of lattice cells inside the shape, and their volume. A box is divided evenly, its cells close to cubes
-    /// of edge `spacing`, and so is the box around a surface; round shapes are cut out of a lattice that is symmetric
-    /// to their centre.
-    pub fn lattice(&self, spacing: f64, dimension: usize) -> (Vec<[f64; 3]>, f64) {
+    /// Its own volume; the area in two dimensions.
+    pub fn volume(&self, dimension: usize) -> f64 {
+        match *self {
+            Self::Surface(ref surface) => surface.volume(),
+            Self::Box { low, high } => (0..dimension).map(|k| high[k] - low[k]).product(),
+            Self::Sphere { radius, .. } if dimension == 2 => PI * radius * radius,
+            Self::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
+            Self::Cylinder { radius, axis, .. } if axis >= dimension => PI * radius * radius,
+            Self::Cylinder { radius, length, .. } if dimension == 2 => 2.0 * radius * length,
+            Self::Cylinder { radius, length, .. } => PI * radius * radius * length,
+        }
+    }
+
+    /// Whether its bounds are divided evenly into cells, instead of cutting it out of cubes.
+    fn is_divided(&self) -> bool {
+        matches!(self, Self::Box { .. } | Self::Surface(_))
+    }
+
+    /// Number of cells along each axis that its bounds are divided into, or covered with, and the edges of a cell.
+    pub(crate) fn cells(&self, spacing: f64, dimension: usize) -> ([usize; 3], [f64; 3]) {
         let (low, high) = self.bounds();
-        let even = matches!(self, Self::Box { .. } | Self::Surface(_));
+        let even = self.is_divided();
         let mut counts = [1usize; 3];
         let mut cell = [0.0; 3];
         for k in 0..dimension {
@@ -136,6 +153,16 @@ impl Shape {
             counts[k] = rounded.max(1.0) as usize;
             cell[k] = if even { extent / counts[k] as f64 } else { spacing };
         }
+        (counts, cell)
+    }
+
+    /// Centres of lattice cells inside the shape, and their volume. A box is divided evenly, its cells close to cubes
+    /// of edge `spacing`, and so is the box around a surface; round shapes are cut out of a lattice that is symmetric
+    /// to their centre.
+    pub fn lattice(&self, spacing: f64, dimension: usize) -> (Vec<[f64; 3]>, f64) {
+        let even = self.is_divided();
+        let (low, high) = self.bounds();
+        let (counts, cell) = self.cells(spacing, dimension);
         let middle: [f64; 3] = std::array::from_fn(|k| if k < dimension { 0.5 * (low[k] + high[k]) } else { 0.0 });
         let centre = |index: [usize; 3]| -> [f64; 3] {
             std::array::from_fn(|a| {
@@ -312,7 +339,7 @@ mod tests {
         let shape = Shape::Sphere { centre: [1.0, 2.0, 0.0], radius: 1.0 };
         let (points, volume) = shape.lattice(0.02, 2);
         let area = points.len() as f64 * volume;
-        assert!((area / std::f64::consts::PI - 1.0).abs() < 5e-3, "{area}");
+        assert!((area / shape.volume(2) - 1.0).abs() < 5e-3, "{area}");
         let sum = points.iter().fold([0.0; 2], |s, p| [s[0] + p[0] - 1.0, s[1] + p[1] - 2.0]);
         assert!(sum[0].abs() < 1e-9 && sum[1].abs() < 1e-9, "{sum:?}");
     }

@@ -49,6 +49,8 @@ pub struct FluidOptions {
     pub expected_speed: f64,
     /// Expected largest pressure p_max of Eq. 3.
     pub expected_pressure: f64,
+    /// Volume of every particle at rest; Δx^d where absent. A case sets it to the cell of the lattice that its fills are divided into.
+    pub particle_volume: Option<f64>,
     /// Replace p_i + p_j by p_j − p_i where p_i < 0 and i is farther than 2h from the free surface: against tensile instability.
     ///
     /// Nearer, where the kernel misses neighbours, the difference would undo the condition p = 0 of the surface.
@@ -73,6 +75,7 @@ impl FluidOptions {
             surface_tension: 0.0,
             expected_speed,
             expected_pressure,
+            particle_volume: None,
             tensile_control: false,
         }
     }
@@ -87,9 +90,9 @@ impl FluidOptions {
         WendlandC2::new(self.h(), self.dimension)
     }
 
-    /// Mass of every particle, ρ₀ Δx^d; per unit of length along z in two dimensions.
+    /// Mass of every particle, ρ₀ times its volume at rest; per unit of length along z in two dimensions.
     pub fn particle_mass(&self) -> f64 {
-        self.density * self.spacing.powi(self.dimension as i32)
+        self.density * self.particle_volume.unwrap_or_else(|| self.spacing.powi(self.dimension as i32))
     }
 
     /// Dynamic viscosity μ.
@@ -124,6 +127,7 @@ impl FluidOptions {
         let smoothing = self.smoothing;
         check("h/Δx", smoothing, (1.0..=4.0).contains(&smoothing), "between 1 and 4")?;
         positive("the density", self.density)?;
+        positive("the particles' volume", self.particle_volume.unwrap_or(1.0))?;
         positive("the speed of sound", self.sound_speed)?;
         match self.viscosity {
             Viscosity::Dynamic(mu) => not_negative("the viscosity", mu)?,

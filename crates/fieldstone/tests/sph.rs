@@ -103,11 +103,28 @@ fn particles_too_fast_for_the_speed_of_sound_are_told() {
 fn check_tells_by_how_much_fills_are_too_heavy() {
     let folder = Folder::new();
     let file = case(&folder, "hydrostatic", "0.05");
-    let even = folder.succeeds(&format!("sph check {file}")).stdout;
-    assert!(!even.contains("excess mass"), "{even}");
-    // 0.49 m are 9.8 spacings, filled with 10 layers.
-    let text = std::fs::read_to_string(folder.path(&file)).unwrap().replace("high = [1.0, 0.5]", "high = [1.0, 0.49]");
-    folder.write(&file, text);
-    let odd = folder.succeeds(&format!("sph check {file}")).stdout;
-    assert!(odd.contains("excess mass          +2.04 %"), "{odd}");
+    let text = std::fs::read_to_string(folder.path(&file)).unwrap();
+    let quiet = |file: &str| {
+        let found = folder.succeeds(&format!("sph check {file}"));
+        assert!(!found.stdout.contains("excess mass") && !found.stderr.contains("warning"), "{found:?}");
+    };
+    quiet(&file);
+    // 0.49 m are 9.8 spacings, filled with 10 layers of particles that are lighter.
+    folder.write("odd.toml", text.replace("high = [1.0, 0.5]", "high = [1.0, 0.49]"));
+    quiet("odd.toml");
+    // A second fill of whole spacings: its particles are now too light, those of the first too heavy.
+    let second = "[[fill]]\nshape = \"box\"\nlow = [0.0, 0.5]\nhigh = [0.5, 0.75]\n\n[[wall]]";
+    folder.write("two.toml", text.replace("high = [1.0, 0.5]", "high = [1.0, 0.49]").replace("[[wall]]", second));
+    for command in ["sph check two.toml", "sph run two.toml"] {
+        let told = folder.succeeds(command).stderr;
+        // By 0.00246 m² over 0.0025 m².
+        assert!(told.contains("the particles of fill 1 are 1.6 % too light for"), "{told}");
+    }
+    // A disc is cut out of a lattice.
+    let disc = "shape = \"sphere\"\ncentre = [0.5, 0.25]\nradius = 0.2\n# pressure";
+    let round = text.replace("shape = \"box\"\nlow = [0.0, 0.0]\nhigh = [1.0, 0.5]\npressure", disc);
+    folder.write("round.toml", round);
+    let round = folder.succeeds("sph check round.toml").stdout;
+    let expected = 100.0 * (52.0 * 0.0025 / (std::f64::consts::PI * 0.04) - 1.0);
+    assert!(round.contains(&format!("excess mass          {expected:+.2} %: fills are round")), "{round}");
 }

@@ -102,8 +102,10 @@ struct Figures {
     steps: f64,
     bytes: usize,
     seconds: f64,
-    /// By how much the particles are heavier than the fills, relatively.
+    /// By how much the particles are heavier than the fills' shapes, relatively.
     excess_mass: f64,
+    /// By how much those of each fill are heavier than the cells of its lattice.
+    excess_of_fills: Vec<f64>,
 }
 
 impl Check {
@@ -113,6 +115,7 @@ impl Check {
         }
         let case = Case::read(&self.case)?;
         let figures = measure(&case)?;
+        warn_of_uneven_fills(&figures.excess_of_fills);
         let text = format!(
             "fluid                {}\nghost                {}\nfree surface         {}\nneighbours           {:.0}\n\
              time step            {:.3e}\nsteps                {:.0}\nmemory               {:.2} GB\n\
@@ -127,7 +130,7 @@ impl Check {
             duration(figures.seconds),
             if figures.excess_mass.abs() > 1e-9 {
                 format!(
-                    "excess mass          {:+.2} %: fills are no whole number of spacings long\n",
+                    "excess mass          {:+.2} %: fills are round, or no whole number of spacings long\n",
                     100.0 * figures.excess_mass
                 )
             } else {
@@ -165,7 +168,22 @@ fn measure(case: &Case) -> anyhow::Result<Figures> {
         bytes: solver.bytes(),
         seconds: steps * seconds,
         excess_mass: case.excess_mass()?,
+        excess_of_fills: case.excess_of_fills()?,
     })
+}
+
+/// Excess of a fill's particles over their cells from which on the pressure is too far off to keep silent.
+const UNEVEN: f64 = 0.005;
+
+fn warn_of_uneven_fills(excess: &[f64]) {
+    for (nth, &excess) in excess.iter().enumerate().filter(|(_, excess)| excess.abs() > UNEVEN) {
+        report::warn(&format!(
+            "the particles of fill {nth} are {:.1} % too {} for the lattice it is divided into, and the pressure in it errs: give all \
+             fills lengths of a whole number of spacings, or another spacing",
+            100.0 * excess.abs(),
+            if excess > 0.0 { "heavy" } else { "light" },
+        ));
+    }
 }
 
 fn duration(seconds: f64) -> String {
@@ -183,6 +201,7 @@ impl Run {
         let case = Case::read(&self.case)?;
         // What cannot start leaves no folder behind.
         case.state()?;
+        warn_of_uneven_fills(&case.excess_of_fills()?);
         let again = self.resume_command();
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
         let files = if self.resume { RunFolder::begun(&folder)? } else { RunFolder::create(&folder)? };

@@ -17,7 +17,7 @@ const PLATEAU: [f64; 2] = [0.6, 1.1];
 /// Water level that tells the arrival at a height gauge.
 const WET: f64 = 0.03;
 
-pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
+pub(super) fn section(flow: &FlowRun, slice: &FlowRun, folder: &Path, data: &Path) -> anyhow::Result<String> {
     let experiment = rows(&data.join("spheric_test2_kleefsman.dat.gz"), 13)?;
     // Columns: time, P1 to P8, H1 to H4.
     let pair = |name: &str, index: usize| -> anyhow::Result<(Curved, Curved)> {
@@ -25,16 +25,29 @@ pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Res
     };
     let (p1, p3) = (pair("P1", 1)?, pair("P3", 3)?);
     let (h1, h2, h4) = (pair("H1", 9)?, pair("H2", 10)?, pair("H4", 12)?);
-    let spacing = flow.case.sections.spacing;
+    let thin = [("P1", &p1.1, ARRIVED), ("P3", &p3.1, ARRIVED), ("H1", &h1.1, WET), ("H2", &h2.1, WET)];
+    let spacing = |flow: &FlowRun| flow.case.sections.spacing;
     let mut text = format!(
-        "## A low box\n\n![Pressures and levels](spheric_2.png)\n\nSPHERIC test 2, one half of the flow, Δx = {spacing} m. P1 \
+        "## A low box\n\n![Pressures and levels](spheric_2.png)\n\nSPHERIC test 2, one half of the flow, Δx = {} m. P1 \
          and P3 are 21 and 101 mm above the floor on the side that the wave hits, H4 stands in the column, H1 and H2 0.504 \
-         and 1 m before it:\n\n| | computed | measured | error |\n|---|---|---|---|\n"
+         and 1 m before it. Until it meets the box the flow is the same across the tank: \"slice\" is two-dimensional, Δx = {} m, \
+         and can have a tongue as thin as measured:\n\n| | computed | measured | error |\n|---|---|---|---|\n",
+        spacing(flow),
+        spacing(slice),
     );
     let mut row = |name: &str, unit: &str, ours: Option<f64>, theirs: Option<f64>| {
         let (a, b) = (ours.unwrap_or(f64::NAN), theirs.unwrap_or(f64::NAN));
         let _ = writeln!(text, "| {name} | {a:.4} {unit} | {b:.4} {unit} | {} |", percent(a / b - 1.0));
     };
+    for (name, theirs, level) in thin {
+        let what = if level == WET { "30 mm" } else { "2 kPa" };
+        row(
+            &format!("{name}, arrival ({what}), slice"),
+            "s",
+            arrival(&gauge(slice, name)?, level),
+            arrival(theirs, level),
+        );
+    }
     for (name, (ours, theirs)) in [("P1", &p1), ("P3", &p3)] {
         row(&format!("{name}, arrival (2 kPa)"), "s", arrival(ours, ARRIVED), arrival(theirs, ARRIVED));
         let kilo = |curve: &Curved| mean(curve, PLATEAU[0], PLATEAU[1]).map(|p| 1e-3 * p);
