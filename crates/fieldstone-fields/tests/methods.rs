@@ -89,6 +89,29 @@ fn the_two_exact_methods_agree_cell_by_cell_on_warped_cells() {
 }
 
 #[test]
+fn a_flat_tetrahedron_that_is_a_cell_is_refused_by_the_decomposition_and_not_left_out() {
+    let mesh = |h: f64| {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, h], [0.2, 0.2, -1.0]];
+        let mut cells = CellList::new();
+        cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 2, 1, 4]).unwrap();
+        cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 1, 2, 3]).unwrap();
+        Mesh::from_cells(points, cells).unwrap()
+    };
+    let one = Particles::new(vec![[0.25, 0.25, 0.0]]).unwrap().with_uniform_radius(0.1).unwrap();
+    let build = |h, method| Weights::build(&mesh(h), &one, method, None);
+    let refused = build(1e-14, Method::Decomposition);
+    assert!(matches!(refused, Err(FieldsError::Decomposition { cell: 1, .. })), "{refused:?}");
+    // The kernel takes it: a disc of the cell's height there.
+    let height = 1e-14 * (1.0 - 0.05 / 0.8);
+    let flat = build(1e-14, Method::Kernel).unwrap();
+    assert_eq!(flat.row(0).0, [0, 1]);
+    assert!((flat.row(0).1[1] / (std::f64::consts::PI * 0.01 * height) - 1.0).abs() < 0.2, "{:?}", flat.row(0));
+    // Where it is not flat, both agree.
+    let [a, b] = [Method::Kernel, Method::Decomposition].map(|method| build(1e-3, method).unwrap());
+    assert!(a.row(0).1.iter().zip(b.row(0).1).all(|(a, b)| (a - b).abs() < 1e-15));
+}
+
+#[test]
 fn approximations_converge_to_the_exact_weights_or_keep_their_known_error() {
     let grid = Grid::new([0.0; 3], [1.0; 3], [4; 3]).unwrap();
     let particles = cloud(40, 0.15, 2);
