@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_fields::{FieldsError, Method, SolidFractionOptions, Weights, count_centres, solid_fraction};
+use fieldstone_fields::{
+    Field, FieldsError, Method, SolidFractionOptions, Weights, count_centres, field_at_particles, solid_fraction,
+};
 use fieldstone_geometry::{CornerOrder, ElementKind};
 use fieldstone_mesh::{CellList, Grid, Mesh};
 use fieldstone_particles::Particles;
@@ -214,7 +216,9 @@ fn the_transpose_hands_back_what_cells_hold() {
     let weights = Weights::build(&mesh, &particles, Method::Kernel, None).unwrap();
     // A force density per cell, given to particles: the sums over volumes agree.
     let density: Vec<f64> = (0..27).map(|c| f64::from(c * 7 % 5) - 2.0).collect();
-    let on_particles = weights.average_over_cells(&density).unwrap();
+    let force =
+        Field { name: "force".into(), components: vec!["x".into()], unit: "N/m3".into(), data: density.clone() };
+    let on_particles = field_at_particles(&weights, &force).unwrap();
     let solid = weights.sum_over_particles(&vec![1.0; 30]).unwrap();
     let from_cells: f64 = solid.iter().zip(&density).map(|(v, f)| v * f).sum();
     let from_particles: f64 = on_particles.iter().zip(weights.particle_volumes()).map(|(q, v)| q * v).sum();
