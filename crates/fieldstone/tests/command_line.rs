@@ -340,6 +340,37 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
 }
 
 #[test]
+fn smoothing_passes_the_periodic_boundary_of_a_grid_and_a_warning_says_where_it_does_not() {
+    let folder = Folder::new();
+    folder.write("one.dump", one_ball("pp pp ff\n0 10\n0 1\n0 1", "1 0.5 0.5 0.5 0.3"));
+    let smooth = |options: &str| {
+        let run = folder.succeeds(&format!("fraction --particles one.dump --smooth 1 --out o.csv {options}"));
+        let table = CsvTable::read(&folder.path("o.csv")).unwrap();
+        (["x", "solid_fraction"].map(|name| table.column(name).unwrap()), run.stderr)
+    };
+    let ([x, periodic], said) = smooth("--grid 0,10,0,1,0,1 --cells 10,1,1");
+    assert_eq!((x[1], x[9], said.as_str()), (1.5, 9.5, ""));
+    assert!(periodic[1] > 0.0 && (periodic[1] / periodic[9] - 1.0).abs() < 1e-12, "{periodic:?}");
+    let ([_, alone], _) = smooth("--grid 0,10,0,1,0,1 --cells 10,1,1 --periodic none");
+    assert!(alone[9] < 1e-3 * alone[1], "{alone:?}");
+    // A grid over a part of the box ends there in any case.
+    assert_eq!(smooth("--grid 0,5,0,1,0,1 --cells 5,1,1").1, "");
+    // One and a half periods have ends that are none for the particles, as a mesh has.
+    let warning = smooth("--grid 0,15,0,1,0,1 --cells 15,1,1 --periodic xy").1;
+    let said = "--smooth does not pass the periodic boundary along x: it does where --grid spans whole periods of an";
+    assert!(warning.contains(said), "{warning}");
+    folder.write("cube.dump", one_ball("pp pp pp\n0 1\n0 1\n0 1", "1 0.5 0.5 0.5 0.3"));
+    folder.write("cube.vtk", UNIT_CUBE);
+    let warning = folder.succeeds("fraction --mesh cube.vtk --particles cube.dump --smooth 0.1 --out m.csv").stderr;
+    assert!(warning.contains("--smooth does not pass the periodic boundary along xyz:"), "{warning}");
+    assert_eq!(folder.succeeds("fraction --mesh cube.vtk --particles cube.dump --out m.csv").stderr, "");
+}
+
+/// A mesh of one cell.
+const UNIT_CUBE: &str = "# vtk DataFile Version 2.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n\
+    0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\n";
+
+#[test]
 fn tables_of_overlaps_agree_with_sixty_digits_and_carry_all_columns_through() {
     let kinds = [ElementKind::Tetrahedron, ElementKind::Wedge, ElementKind::Hexahedron];
     for ((element, faces), kind) in [("tet", 4), ("wedge", 5), ("hex", 6)].into_iter().zip(kinds) {

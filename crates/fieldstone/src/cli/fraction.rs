@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use fieldstone::fields::{
-    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed,
+    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, smoothed_through, solid_fraction_observed,
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
 use fieldstone::io::{AtomicFile, DataArray, IoError, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
-use fieldstone::particles::Particles;
+use fieldstone::particles::{Domain, Particles};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -67,6 +67,9 @@ pub(crate) struct Fraction {
     parcel_weight: Option<ParcelWeight>,
     /// Smooth conservatively over this length (standard deviation of the Gaussian, in the input's unit); the unsmoothed
     /// field is kept as solid_fraction_unsmoothed
+    ///
+    /// On a grid that spans the box it passes periodic boundaries; on meshes, and along tilted periods, every boundary is a
+    /// wall to it, and a warning says so.
     #[arg(long, value_name = "LENGTH", value_parser = not_negative, allow_negative_numbers = true)]
     smooth: Option<f64>,
     /// Report no solid fraction above this, e.g. 0.64; the uncapped field, smoothed where asked for, is kept as
@@ -84,6 +87,22 @@ pub(crate) struct Fraction {
     /// Write an OpenFOAM time folder in binary instead of text
     #[arg(long)]
     binary: bool,
+}
+
+/// What to say where `--smooth` ends at a boundary that is none for the particles.
+fn unsmoothed_boundary<C: Cells>(cells: &C, domain: &Domain) -> Option<String> {
+    let through = smoothed_through(cells, Some(domain));
+    let (low, high) = cells.bounds();
+    // Cells that do not reach from one end of the period to the other have an end there in any case.
+    let spans = |k: usize| high[k] - low[k] > domain.cell_vectors()[k][k] * (1.0 - 1e-9);
+    let ends: String =
+        (0..3).filter(|&k| domain.periodic()[k] && spans(k) && !through[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+    (!ends.is_empty()).then(|| {
+        format!(
+            "--smooth does not pass the periodic boundary along {ends}: it does where --grid spans whole \
+             periods of an upright box; cells beside that boundary are smoothed as beside a wall"
+        )
+    })
 }
 
 /// Results on cells of either kind, ready to be written.
@@ -172,6 +191,11 @@ impl Fraction {
         let (domain, note) = self.periodic.domain(particles, cells.bounds())?;
         if let Some(note) = note {
             report::warn(&note);
+        }
+        if let (Some(domain), Some(_)) = (&domain, self.smooth.filter(|length| *length > 0.0))
+            && let Some(warning) = unsmoothed_boundary(cells, domain)
+        {
+            report::warn(&warning);
         }
         let options = SolidFractionOptions {
             method: self.method,
