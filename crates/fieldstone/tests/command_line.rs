@@ -336,7 +336,32 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
 
     folder.write("boxless.csv", "x,y,z,r\n0.5,0.5,0.5,0.1\n");
     let line = "fraction --grid 0,1,0,1,0,1 --cells 4,4,4 --particles boxless.csv --out p.csv --periodic x";
-    assert!(folder.fails(line).contains("needs a simulation box, and the particle file states none"));
+    let message = folder.fails(line);
+    assert!(
+        message.contains("boxless.csv: --periodic: the particle file states no box; give it with --box"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_box_can_be_given_where_the_file_states_none_or_another() {
+    let folder = Folder::new();
+    folder.write("boxless.csv", "x,y,z,r\n0,0,0,0.25\n");
+    folder.write("other.dump", one_ball("pp pp pp\n0 2\n0 2\n0 2", "1 0 0 0 0.25"));
+    for particles in ["boxless.csv", "other.dump"] {
+        let line = format!("fraction --grid 0,1,0,1,0,1 --cells 4,4,4 --particles {particles} --out o.csv --json s.json");
+        for (options, share) in [("--periodic xyz", 1.0), ("--periodic xz", 0.5), ("--periodic none", 0.125)] {
+            folder.succeeds(&format!("{line} --box 0,1,0,1,0,1 {options}"));
+            let found = json(&folder, "s.json")["binned_volume"].as_f64().unwrap() / ball(0.25);
+            assert!(near(found, share), "{particles} {options}: {found}");
+        }
+        let message = folder.fails(&format!("{line} --box 0,1,0,1,0,1"));
+        assert!(message.contains("--box: say along which axes the box is periodic"), "{message}");
+        let message = folder.fails(&format!("{line} --box 0,1,0,1,1,1 --periodic x"));
+        assert!(message.contains("--box: "), "{message}");
+        let wrong = folder.fieldstone(&format!("{line} --box 0,1,0,1 --periodic x"));
+        assert!(wrong.code == Some(2) && wrong.stderr.contains("4 numbers were found; give 6"), "{}", wrong.stderr);
+    }
 }
 
 #[test]

@@ -68,7 +68,7 @@ pub(crate) fn list<T: FromStr + Copy + Default, const N: usize>(text: &str, exam
     Ok(numbers)
 }
 
-fn bounds(text: &str) -> Result<[f64; 6], String> {
+pub(crate) fn bounds(text: &str) -> Result<[f64; 6], String> {
     list(text, "-0.05,0.05,-0.05,0.05,0,0.1")
 }
 
@@ -208,6 +208,14 @@ impl FromStr for Periodic {
 }
 
 impl Periodic {
+    /// The box that `--box` gives, in place of that of the file.
+    pub fn given_box(self, [x0, x1, y0, y1, z0, z1]: [f64; 6]) -> anyhow::Result<Domain> {
+        let Self::Given(axes) = self else {
+            bail!("--box: say along which axes the box is periodic, as in --periodic xy, or --periodic none");
+        };
+        Domain::new([x0, y0, z0], [x1, y1, z1], axes).map_err(|e| anyhow!("--box: {e}"))
+    }
+
     /// The box whose periodic directions are to be honoured, if any; with a note for the user.
     pub fn domain(
         self,
@@ -217,7 +225,7 @@ impl Periodic {
         let Some(domain) = particles.domain() else {
             return match self {
                 Self::Given(axes) if axes != [false; 3] => {
-                    bail!("--periodic needs a simulation box, and the particle file states none")
+                    bail!("--periodic: the particle file states no box; give it with --box")
                 }
                 _ => Ok((None, None)),
             };

@@ -19,7 +19,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::arguments::{
-    CellSet, CellsArguments, ParticleArguments, Periodic, ending, fraction, not_negative, positive,
+    CellSet, CellsArguments, ParticleArguments, Periodic, bounds, ending, fraction, not_negative, positive,
 };
 use super::timing::Timing;
 use super::{outputs, report};
@@ -81,6 +81,14 @@ pub(crate) struct Fraction {
     /// auto in a tilted box: where the cells are no wider than the box.
     #[arg(long, default_value = "auto", value_name = "AXES")]
     periodic: Periodic,
+    /// The simulation's box, in place of that of the file; --periodic says along which axes it is periodic
+    #[arg(
+        long = "box",
+        value_name = "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX",
+        value_parser = bounds,
+        allow_hyphen_values = true
+    )]
+    bounds: Option<[f64; 6]>,
     /// Print a table of where the time went
     #[arg(short, long)]
     verbose: bool,
@@ -116,7 +124,12 @@ impl Fraction {
     pub fn run(self) -> anyhow::Result<()> {
         let mut timing = Timing::default();
         let target = self.target()?;
+        let given_box = self.bounds.map(|bounds| self.periodic.given_box(bounds)).transpose()?;
         let particles = timing.measure("read", || self.particles.read())?;
+        let particles = match given_box {
+            Some(domain) => particles.with_domain(domain),
+            None => particles,
+        };
         let cells = timing.measure("read", || self.cells.read())?;
         target.check(&cells, self.cells.mesh.as_deref())?;
 
@@ -188,7 +201,8 @@ impl Fraction {
     }
 
     fn compute<C: Cells>(&self, cells: &C, particles: &Particles, timing: &mut Timing) -> anyhow::Result<Outcome> {
-        let (domain, note) = self.periodic.domain(particles, cells.bounds())?;
+        let periodic = self.periodic.domain(particles, cells.bounds());
+        let (domain, note) = periodic.map_err(|e| anyhow!("{}: {e}", self.particles.particles.display()))?;
         if let Some(note) = note {
             report::warn(&note);
         }
