@@ -349,7 +349,7 @@ fn a_box_can_be_given_where_the_file_states_none_or_another() {
     folder.write("boxless.csv", "x,y,z,r\n0,0,0,0.25\n");
     folder.write("other.dump", one_ball("pp pp pp\n0 2\n0 2\n0 2", "1 0 0 0 0.25"));
     for particles in ["boxless.csv", "other.dump"] {
-        let line = format!("fraction --grid 0,1,0,1,0,1 --cells 4,4,4 --particles {particles} --out o.csv --json s.json");
+        let line = format!("fraction --grid 0,1,0,1,0,1 --cells 4 --particles {particles} --out o.csv --json s.json");
         for (options, share) in [("--periodic xyz", 1.0), ("--periodic xz", 0.5), ("--periodic none", 0.125)] {
             folder.succeeds(&format!("{line} --box 0,1,0,1,0,1 {options}"));
             let found = json(&folder, "s.json")["binned_volume"].as_f64().unwrap() / ball(0.25);
@@ -362,6 +362,25 @@ fn a_box_can_be_given_where_the_file_states_none_or_another() {
         let wrong = folder.fieldstone(&format!("{line} --box 0,1,0,1 --periodic x"));
         assert!(wrong.code == Some(2) && wrong.stderr.contains("4 numbers were found; give 6"), "{}", wrong.stderr);
     }
+}
+
+#[test]
+fn one_number_of_cells_holds_along_all_three_directions() {
+    let folder = Folder::new();
+    folder.write("one.csv", "x,y,z,r\n0.5,0.5,0.5,0.4\n");
+    let table = |cells: &str| {
+        folder.succeeds(&format!("fraction --grid 0,1,0,1,0,2 --cells {cells} --particles one.csv --out o.csv"));
+        std::fs::read_to_string(folder.path("o.csv")).unwrap()
+    };
+    assert_eq!(table("5"), table("5,5,5"));
+    assert_eq!(table("5").lines().count(), 126);
+    let wrong = |cells: &str| {
+        let grid = format!("fraction --grid 0,1,0,1,0,2 --cells {cells}");
+        folder.fieldstone(&format!("{grid} --particles one.csv --out o.csv")).stderr
+    };
+    assert!(wrong("5,5").contains("2 numbers were found; give 3, separated by commas, as in 20,20,40 or 20"));
+    assert!(wrong("five").contains("'five' stands where a number is expected"), "{}", wrong("five"));
+    assert!(wrong("0").contains("--cells"), "{}", wrong("0"));
 }
 
 #[test]

@@ -25,8 +25,8 @@ pub(crate) struct CellsArguments {
         requires = "cells"
     )]
     pub grid: Option<[f64; 6]>,
-    /// Cells of the grid along x, y and z, e.g. 20,20,40
-    #[arg(long, value_name = "NX,NY,NZ", value_parser = counts, allow_hyphen_values = true, requires = "grid")]
+    /// Cells of the grid along x, y and z, or one number for all three, e.g. 20,20,40 or 20
+    #[arg(long, value_name = "N", value_parser = counts, allow_hyphen_values = true, requires = "grid")]
     pub cells: Option<[usize; 3]>,
 }
 
@@ -73,7 +73,8 @@ pub(crate) fn bounds(text: &str) -> Result<[f64; 6], String> {
 }
 
 fn counts(text: &str) -> Result<[usize; 3], String> {
-    list(text, "20,20,40")
+    const EXAMPLE: &str = "20,20,40 or 20";
+    if text.contains(',') { list(text, EXAMPLE) } else { list(text, EXAMPLE).map(|[n]| [n; 3]) }
 }
 
 /// A finite number above 0.
