@@ -508,6 +508,7 @@ fn overlap_by_other_methods_gives_the_volume_only() {
         table.column("volume").unwrap()[0]
     };
     assert!(near(volume("decomposition"), ball(0.5) / 8.0));
+    assert!(near(volume("kernel-f64"), ball(0.5) / 8.0));
     assert!(near(volume("centre"), ball(0.5)));
     for (method, tolerance) in [("cube", 0.5), ("divided", 1.5), ("sampled:1000", 0.4), ("monte-carlo:1000", 0.2)] {
         let error = (volume(method) / (ball(0.5) / 8.0) - 1.0).abs();
