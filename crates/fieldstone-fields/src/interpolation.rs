@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::weights::check_length;
 use crate::{Field, FieldsError, Weights};
 
-/// For each particle the average of a field over the part of the particle that lies in cells, component by component.
+/// For each particle the mean of a field over the whole particle, the field being 0 outside the cells, component by component.
 ///
 /// $$ q_i = \frac{1}{V_i} \sum_c V_{c \cap i}\, f_c $$
 ///

@@ -36,7 +36,7 @@ pub use kernels::{BranchKernel, Kernel, KernelShape};
 pub use ledger::Ledger;
 pub use method::Method;
 pub use neumaier::NeumaierSum;
-pub use smoothing::smooth_conservatively;
+pub use smoothing::{smooth_conservatively, smoothed_through};
 pub use solid_fraction::{SolidFraction, SolidFractionOptions, count_centres, solid_fraction, solid_fraction_observed};
 pub use time_weights::gaussian_time_weights;
 pub use weights::Weights;

@@ -17,7 +17,8 @@ pub struct SolidFractionOptions {
     pub domain: Option<Domain>,
     /// How many real particles each one stands for; one number per particle.
     pub parcel_weights: Option<Vec<f64>>,
-    /// Length of a conservative smoothing, 0 for none.
+    /// Length of a conservative smoothing, 0 for none. It passes the boundary of the `domain` where
+    /// [`crate::smoothed_through`] says so.
     pub smoothing_length: f64,
     /// Largest solid fraction that is reported; the volume above it is dropped from the capped field only.
     pub cap: Option<f64>,
@@ -136,7 +137,8 @@ pub fn solid_fraction_observed<C: Cells>(
     let smoothed = options.smoothing_length != 0.0;
     let mut fraction = exact.clone();
     if smoothed {
-        fraction = over_cells(&smooth_conservatively(cells, &solid_volume, options.smoothing_length)?);
+        let domain = options.domain.as_ref();
+        fraction = over_cells(&smooth_conservatively(cells, &solid_volume, options.smoothing_length, domain)?);
     }
     let uncapped = options.cap.is_some().then(|| fraction.clone());
     if let Some(cap) = options.cap {

@@ -19,7 +19,7 @@ const MOST_IMAGES: f64 = 20.0;
 /// Sparse matrix of volumes $V_{c \cap i}$: one row per particle, sorted by cell.
 ///
 /// The same bits for any number of threads. Coupled solvers distribute forces back with the same rows
-/// ([`Weights::average_over_cells`]).
+/// ([`crate::field_at_particles`]).
 ///
 /// ```
 /// use fieldstone_fields::{Method, Weights};
@@ -241,27 +241,6 @@ impl Weights {
             },
         )?;
         Ok(sums.values)
-    }
-
-    /// For each particle the average of a cell field over the part of the particle that lies in cells.
-    ///
-    /// $$ q_i = \frac{1}{V_i} \sum_c V_{c \cap i} \, f_c $$
-    ///
-    /// The transpose of [`Weights::sum_over_particles`] over the particle's whole volume, so that forces given to
-    /// cells and taken from particles balance.
-    ///
-    /// # Errors
-    /// [`FieldsError::Length`] unless there is one value per cell.
-    pub fn average_over_cells(&self, field: &[f64]) -> Result<Vec<f64>, FieldsError> {
-        check_length("cells", field.len(), self.cell_count)?;
-        Ok((0..self.particles())
-            .into_par_iter()
-            .map(|i| {
-                let (cells, volumes) = self.row(i);
-                let sum: f64 = cells.iter().zip(volumes).map(|(&c, v)| v * field[c as usize]).sum();
-                sum / self.balls[i]
-            })
-            .collect())
     }
 }
 

@@ -255,6 +255,38 @@ fn a_kernel_is_integrated_over_averaged_directions() {
 }
 
 #[test]
+fn a_particle_between_all_samples_goes_to_the_cell_of_its_centre_through_any_periodic_face() {
+    let domain = Domain::new([0.0; 3], [10.0; 3], [true; 3]).unwrap();
+    let grid = Grid::new([0.0; 3], [10.0; 3], [5; 3]).unwrap();
+    // Samples are 2 apart, and the kernel ends before the nearest one.
+    let lucy = Function::Kernel(Kernel::new(KernelShape::Lucy, 0.2, None).unwrap());
+    let fields = FieldName::parse_list("density,angular_momentum").unwrap();
+    let options = CoarseGrainingOptions { fields, domain: Some(domain), conserve: true, ..all(lucy) };
+    let near_faces = [5.2, 9.95, 0.05, 10.0, 0.0, 10.05, -0.05];
+    let mut centres: Vec<[f64; 3]> = Vec::new();
+    for axis in 0..3 {
+        centres.extend(near_faces.map(|x| std::array::from_fn(|k| if k == axis { x } else { 5.2 })));
+    }
+    centres.extend(near_faces.map(|x| [x; 3]));
+    for at in centres {
+        let v = [1.0, -2.0, 0.5];
+        let ball = Particles::new(vec![at]).unwrap().with_uniform_radius(0.5).unwrap();
+        let ball = ball.with_quantity(vectors("velocity", &[v])).unwrap();
+        let ball = ball.with_quantity(vectors("angular_velocity", &[[0.0; 3]])).unwrap();
+        let found = run(&grid, options.clone(), &ball, &Contacts::new());
+        let ledger = found.ledger;
+        assert!((ledger.mass_binned / ledger.mass_in - 1.0).abs() < 1e-14, "{at:?}: {ledger:?}");
+        assert_eq!(ledger.mass_clipped, 0.0, "{at:?}");
+        let image = at.map(|x| x.rem_euclid(10.0));
+        let home = (0..3).map(|k| (image[k] / 2.0) as usize * [1, 5, 25][k]).sum();
+        let density = DENSITY * VOLUMES[0] / 8.0;
+        assert_field(&found, "density", home, &[density]);
+        // Each image counts where it is.
+        assert_field(&found, "angular_momentum", home, &cross(image, v).map(|x| density * x));
+    }
+}
+
+#[test]
 fn species_add_up_to_the_mixture_and_their_boundary_forces_cancel_but_for_the_walls() {
     let grid = Grid::new([-1.0; 3], [5.0, 3.0, 3.0], [6, 5, 5]).unwrap();
     let lucy = Function::Kernel(Kernel::new(KernelShape::Lucy, 1.5, None).unwrap());

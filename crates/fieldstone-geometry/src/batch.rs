@@ -7,7 +7,7 @@ use crate::{Ball, Polyhedron};
 /// Balls up to this many are quicker one by one than in a register that they do not fill.
 const A_FEW: usize = 2;
 
-/// Computes volumes of overlaps in batches, a register of balls at a time; keeps its memory between calls.
+/// Computes volumes of overlaps in batches, the balls of an element a register at a time; keeps its memory between calls.
 ///
 /// The results are those of [`crate::overlap_volume`], with the same promise and the same bits.
 ///
@@ -47,6 +47,9 @@ impl OverlapBatch {
     }
 
     /// Volume of one ball inside each element.
+    ///
+    /// One by one, as [`crate::overlap_volume`] does: elements of different shapes do not share a register. For many balls
+    /// in many elements [`OverlapBatch::pairs`] is quicker.
     ///
     /// # Panics
     /// Where `out` is shorter than `elements`.

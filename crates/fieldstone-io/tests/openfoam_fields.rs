@@ -87,8 +87,27 @@ boundaryField
 #[test]
 fn constraint_patches_keep_their_own_type_and_all_others_get_zero_gradient() {
     let case = tempfile::tempdir().unwrap();
-    let kinds = ["empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "processorCyclic"];
-    let patches: Vec<Patch> = kinds.iter().chain(&["patch", "wall", "mappedWall"]).map(|k| patch(k, k)).collect();
+    let kinds = [
+        "empty",
+        "wedge",
+        "symmetry",
+        "symmetryPlane",
+        "cyclic",
+        "cyclicAMI",
+        "cyclicACMI",
+        "cyclicSlip",
+        "cyclicPeriodicAMI",
+        "cyclicRepeatAMI",
+        "nonuniformTransformCyclic",
+        "processor",
+        "processorCyclic",
+        "nonConformalCyclic",
+        "nonConformalError",
+        "nonConformalProcessorCyclic",
+        "overset",
+    ];
+    let patches: Vec<Patch> =
+        kinds.iter().chain(&["patch", "wall", "nonConformalMappedWall"]).map(|k| patch(k, k)).collect();
     let field = VolField { name: "U", dimensions: Dimensions::VELOCITY, components: 3, values: &[0.0; 3] };
     let path = write_vol_field(case.path(), &field, 1, &patches, FieldEncoding::Binary).unwrap();
     let text = String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();

@@ -336,8 +336,83 @@ fn periodic_directions_are_those_of_the_file_or_those_given() {
 
     folder.write("boxless.csv", "x,y,z,r\n0.5,0.5,0.5,0.1\n");
     let line = "fraction --grid 0,1,0,1,0,1 --cells 4,4,4 --particles boxless.csv --out p.csv --periodic x";
-    assert!(folder.fails(line).contains("needs a simulation box, and the particle file states none"));
+    let message = folder.fails(line);
+    assert!(
+        message.contains("boxless.csv: --periodic: the particle file states no box; give it with --box"),
+        "{message}"
+    );
 }
+
+#[test]
+fn a_box_can_be_given_where_the_file_states_none_or_another() {
+    let folder = Folder::new();
+    folder.write("boxless.csv", "x,y,z,r\n0,0,0,0.25\n");
+    folder.write("other.dump", one_ball("pp pp pp\n0 2\n0 2\n0 2", "1 0 0 0 0.25"));
+    for particles in ["boxless.csv", "other.dump"] {
+        let line = format!("fraction --grid 0,1,0,1,0,1 --cells 4 --particles {particles} --out o.csv --json s.json");
+        for (options, share) in [("--periodic xyz", 1.0), ("--periodic xz", 0.5), ("--periodic none", 0.125)] {
+            folder.succeeds(&format!("{line} --box 0,1,0,1,0,1 {options}"));
+            let found = json(&folder, "s.json")["binned_volume"].as_f64().unwrap() / ball(0.25);
+            assert!(near(found, share), "{particles} {options}: {found}");
+        }
+        let message = folder.fails(&format!("{line} --box 0,1,0,1,0,1"));
+        assert!(message.contains("--box: say along which axes the box is periodic"), "{message}");
+        let message = folder.fails(&format!("{line} --box 0,1,0,1,1,1 --periodic x"));
+        assert!(message.contains("--box: "), "{message}");
+        let wrong = folder.fieldstone(&format!("{line} --box 0,1,0,1 --periodic x"));
+        assert!(wrong.code == Some(2) && wrong.stderr.contains("4 numbers were found; give 6"), "{}", wrong.stderr);
+    }
+}
+
+#[test]
+fn one_number_of_cells_holds_along_all_three_directions() {
+    let folder = Folder::new();
+    folder.write("one.csv", "x,y,z,r\n0.5,0.5,0.5,0.4\n");
+    let table = |cells: &str| {
+        folder.succeeds(&format!("fraction --grid 0,1,0,1,0,2 --cells {cells} --particles one.csv --out o.csv"));
+        std::fs::read_to_string(folder.path("o.csv")).unwrap()
+    };
+    assert_eq!(table("5"), table("5,5,5"));
+    assert_eq!(table("5").lines().count(), 126);
+    let wrong = |cells: &str| {
+        let grid = format!("fraction --grid 0,1,0,1,0,2 --cells {cells}");
+        folder.fieldstone(&format!("{grid} --particles one.csv --out o.csv")).stderr
+    };
+    assert!(wrong("5,5").contains("2 numbers were found; give 3, separated by commas, as in 20,20,40 or 20"));
+    assert!(wrong("five").contains("'five' stands where a number is expected"), "{}", wrong("five"));
+    assert!(wrong("0").contains("--cells"), "{}", wrong("0"));
+}
+
+#[test]
+fn smoothing_passes_the_periodic_boundary_of_a_grid_and_a_warning_says_where_it_does_not() {
+    let folder = Folder::new();
+    folder.write("one.dump", one_ball("pp pp ff\n0 10\n0 1\n0 1", "1 0.5 0.5 0.5 0.3"));
+    let smooth = |options: &str| {
+        let run = folder.succeeds(&format!("fraction --particles one.dump --smooth 1 --out o.csv {options}"));
+        let table = CsvTable::read(&folder.path("o.csv")).unwrap();
+        (["x", "solid_fraction"].map(|name| table.column(name).unwrap()), run.stderr)
+    };
+    let ([x, periodic], said) = smooth("--grid 0,10,0,1,0,1 --cells 10,1,1");
+    assert_eq!((x[1], x[9], said.as_str()), (1.5, 9.5, ""));
+    assert!(periodic[1] > 0.0 && (periodic[1] / periodic[9] - 1.0).abs() < 1e-12, "{periodic:?}");
+    let ([_, alone], _) = smooth("--grid 0,10,0,1,0,1 --cells 10,1,1 --periodic none");
+    assert!(alone[9] < 1e-3 * alone[1], "{alone:?}");
+    // A grid over a part of the box ends there in any case.
+    assert_eq!(smooth("--grid 0,5,0,1,0,1 --cells 5,1,1").1, "");
+    // One and a half periods have ends that are none for the particles, as a mesh has.
+    let warning = smooth("--grid 0,15,0,1,0,1 --cells 15,1,1 --periodic xy").1;
+    let said = "--smooth does not pass the periodic boundary along x: it does where --grid spans whole periods of an";
+    assert!(warning.contains(said), "{warning}");
+    folder.write("cube.dump", one_ball("pp pp pp\n0 1\n0 1\n0 1", "1 0.5 0.5 0.5 0.3"));
+    folder.write("cube.vtk", UNIT_CUBE);
+    let warning = folder.succeeds("fraction --mesh cube.vtk --particles cube.dump --smooth 0.1 --out m.csv").stderr;
+    assert!(warning.contains("--smooth does not pass the periodic boundary along xyz:"), "{warning}");
+    assert_eq!(folder.succeeds("fraction --mesh cube.vtk --particles cube.dump --out m.csv").stderr, "");
+}
+
+/// A mesh of one cell.
+const UNIT_CUBE: &str = "# vtk DataFile Version 2.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n\
+    0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\n";
 
 #[test]
 fn tables_of_overlaps_agree_with_sixty_digits_and_carry_all_columns_through() {
@@ -433,6 +508,7 @@ fn overlap_by_other_methods_gives_the_volume_only() {
         table.column("volume").unwrap()[0]
     };
     assert!(near(volume("decomposition"), ball(0.5) / 8.0));
+    assert!(near(volume("kernel-f64"), ball(0.5) / 8.0));
     assert!(near(volume("centre"), ball(0.5)));
     for (method, tolerance) in [("cube", 0.5), ("divided", 1.5), ("sampled:1000", 0.4), ("monte-carlo:1000", 0.2)] {
         let error = (volume(method) / (ball(0.5) / 8.0) - 1.0).abs();

@@ -437,7 +437,9 @@ fn in_cells_of_several_periods_a_particle_gets_the_mean_over_its_images() {
          ITEM: ATOMS id x y z radius mass\n1 .5 .5 .5 .25 3\n",
     );
     let fields = "fields --particles one.dump --grid 0,2,0,1,0,1 --cells 1 --fields density --out o.vti";
-    folder.succeeds(&format!("{fields} --periodic x --to-particles back.csv"));
+    let run = folder.succeeds(&format!("{fields} --periodic x --to-particles back.csv"));
+    mentions(&run.stdout, &["counted twice        3  (100.0000 %, in cells that overlap each other or repeat the"]);
+    assert!(!run.stdout.contains("clipped"), "{}", run.stdout);
     // Two images of mass 3 in a volume of 2.
     assert!((column(&folder, "o.vti", "density")[0] - 3.0).abs() < 1e-13);
     let back = CsvTable::read(&folder.path("back.csv")).unwrap();

@@ -19,14 +19,18 @@ impl Elements {
             .into_par_iter()
             .map(|cell| {
                 let mut parts = Vec::new();
-                let mut failure = None;
+                let (mut failure, mut flat) = (None, None);
                 cells.for_each_element(cell, &mut |sign, kind, corners| match build(kind, corners) {
-                    // A tetrahedron that rounding has made flat holds nothing that would be missed.
-                    Err(_) if kind == ElementKind::Tetrahedron => {}
-                    Err(source) => failure = Some(FieldsError::Decomposition { cell, source }),
+                    Err(source) if kind == ElementKind::Tetrahedron => flat = Some(source),
+                    Err(source) => failure = Some(source),
                     Ok(element) => parts.push((sign, element)),
                 });
-                failure.map_or(Ok(parts), Err)
+                // A part of a cell that rounding has made flat holds nothing that would be missed; a cell that has no
+                // other part would be missed as a whole.
+                match failure.or(flat.filter(|_| parts.is_empty())) {
+                    Some(source) => Err(FieldsError::Decomposition { cell, source }),
+                    None => Ok(parts),
+                }
             })
             .collect::<Result<_, _>>()?;
         let mut ends = Vec::with_capacity(per_cell.len());

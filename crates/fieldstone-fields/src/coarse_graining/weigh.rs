@@ -147,9 +147,8 @@ impl<C: Cells> Weigher<'_, C> {
                 });
             }
             ParticleWeights::Sampled { sampling, conserve } => {
-                let mut first_centre = None;
+                let first = carrier;
                 self.images(frame, particle, |centre| {
-                    first_centre.get_or_insert((centre, carrier));
                     sampling.point(centre, |cell, weight| {
                         placed += weight * self.cells.cell_volume(cell as usize);
                         out.push(Pair { cell, carrier, weight });
@@ -160,9 +159,8 @@ impl<C: Cells> Weigher<'_, C> {
                     if placed > 0.0 {
                         out[begin..].iter_mut().for_each(|pair| pair.weight /= placed);
                         placed = 1.0;
-                    } else if let Some((centre, carrier)) = first_centre
-                        && let Some(cell) = self.cells.locate(centre, &mut scratch.cells)
-                    {
+                    } else if let Some((cell, image)) = self.home(frame, particle, scratch) {
+                        let carrier = first + step * image;
                         out.push(Pair { cell, carrier, weight: 1.0 / self.cells.cell_volume(cell as usize) });
                         placed = 1.0;
                     }
@@ -171,6 +169,29 @@ impl<C: Cells> Weigher<'_, C> {
         }
         self.placed[particle].store(f64::to_bits(placed), Ordering::Relaxed);
         failure.map_or(Ok(()), Err)
+    }
+
+    /// The cell that holds the centre of a particle between all samples, and the number of the image that lies there.
+    ///
+    /// Most images reach the cells with their rim alone: the first of them need not be the one whose centre is inside.
+    fn home(&self, frame: &Frame<'_>, particle: usize, scratch: &mut Scratch<C>) -> Option<(u32, u32)> {
+        let mut home = None;
+        self.periods.for_each_point(frame.positions[particle], |point| {
+            if home.is_none() {
+                home = self.cells.locate(point, &mut scratch.cells).map(|cell| (cell, point));
+            }
+        });
+        let (cell, point) = home?;
+        // A point that rounding has put beside the outer face of the cells was moved onto it: its image is the nearest.
+        let (mut image, mut nearest, mut number) = (0, f64::INFINITY, 0);
+        self.images(frame, particle, |centre| {
+            let distance: f64 = (0..3).map(|k| (centre[k] - point[k]).powi(2)).sum();
+            if distance < nearest {
+                (image, nearest) = (number, distance);
+            }
+            number += 1;
+        });
+        Some((cell, image))
     }
 
     /// First moments of a particle's overlaps over its volume: three pairs per cell, for carriers 3 i + k.

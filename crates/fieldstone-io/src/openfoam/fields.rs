@@ -74,29 +74,31 @@ fn classes(components: usize) -> Option<(&'static str, &'static str)> {
 }
 
 /// Boundary condition on a patch of this kind: the kind itself where OpenFOAM accepts no other.
+///
+/// None of them needs a value: OpenFOAM takes that of the cells beside.
 fn condition(kind: &str) -> &str {
-    match kind {
+    // Forks have coupled patches of their own, and all of them are constraints: cyclicPeriodicAMI, cyclicRepeatAMI, …
+    let coupled = kind.starts_with("cyclic") || kind.starts_with("processor");
+    let constraint = matches!(
+        kind,
         "empty"
-        | "wedge"
-        | "symmetry"
-        | "symmetryPlane"
-        | "cyclic"
-        | "cyclicAMI"
-        | "cyclicACMI"
-        | "cyclicSlip"
-        | "cyclicPeriodicAMI"
-        | "nonuniformTransformCyclic"
-        | "processor"
-        | "processorCyclic" => kind,
-        _ => "zeroGradient",
-    }
+            | "wedge"
+            | "symmetry"
+            | "symmetryPlane"
+            | "nonuniformTransformCyclic"
+            | "nonConformalCyclic"
+            | "nonConformalError"
+            | "nonConformalProcessorCyclic"
+            | "overset"
+    );
+    if coupled || constraint { kind } else { "zeroGradient" }
 }
 
 /// Writes a field on cells into a time folder, `CASE/0` say, and returns the file's path.
 ///
 /// The time folder is made where it is missing; the case must exist. `cells` and `patches` are those of the mesh that
 /// OpenFOAM will read the field with. Each patch gets `zeroGradient`, or its own kind where it is a constraint
-/// (`empty`, `cyclic`, `processor`, `symmetry`, `wedge`, …).
+/// (`empty`, `cyclic…`, `processor…`, `symmetry`, `wedge`, `nonConformalCyclic`, `overset`, …).
 ///
 /// # Errors
 /// [`IoError::Content`] where the name is no OpenFOAM word, the number of values is not `components` (1, 3, 6 or 9)

@@ -25,8 +25,8 @@ pub(crate) struct CellsArguments {
         requires = "cells"
     )]
     pub grid: Option<[f64; 6]>,
-    /// Cells of the grid along x, y and z, e.g. 20,20,40
-    #[arg(long, value_name = "NX,NY,NZ", value_parser = counts, allow_hyphen_values = true, requires = "grid")]
+    /// Cells of the grid along x, y and z, or one number for all three, e.g. 20,20,40 or 20
+    #[arg(long, value_name = "N", value_parser = counts, allow_hyphen_values = true, requires = "grid")]
     pub cells: Option<[usize; 3]>,
 }
 
@@ -68,12 +68,13 @@ pub(crate) fn list<T: FromStr + Copy + Default, const N: usize>(text: &str, exam
     Ok(numbers)
 }
 
-fn bounds(text: &str) -> Result<[f64; 6], String> {
+pub(crate) fn bounds(text: &str) -> Result<[f64; 6], String> {
     list(text, "-0.05,0.05,-0.05,0.05,0,0.1")
 }
 
 fn counts(text: &str) -> Result<[usize; 3], String> {
-    list(text, "20,20,40")
+    const EXAMPLE: &str = "20,20,40 or 20";
+    if text.contains(',') { list(text, EXAMPLE) } else { list(text, EXAMPLE).map(|[n]| [n; 3]) }
 }
 
 /// A finite number above 0.
@@ -208,6 +209,14 @@ impl FromStr for Periodic {
 }
 
 impl Periodic {
+    /// The box that `--box` gives, in place of that of the file.
+    pub fn given_box(self, [x0, x1, y0, y1, z0, z1]: [f64; 6]) -> anyhow::Result<Domain> {
+        let Self::Given(axes) = self else {
+            bail!("--box: say along which axes the box is periodic, as in --periodic xy, or --periodic none");
+        };
+        Domain::new([x0, y0, z0], [x1, y1, z1], axes).map_err(|e| anyhow!("--box: {e}"))
+    }
+
     /// The box whose periodic directions are to be honoured, if any; with a note for the user.
     pub fn domain(
         self,
@@ -217,7 +226,7 @@ impl Periodic {
         let Some(domain) = particles.domain() else {
             return match self {
                 Self::Given(axes) if axes != [false; 3] => {
-                    bail!("--periodic needs a simulation box, and the particle file states none")
+                    bail!("--periodic: the particle file states no box; give it with --box")
                 }
                 _ => Ok((None, None)),
             };

@@ -8,18 +8,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use fieldstone::fields::{
-    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, solid_fraction_observed,
+    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, smoothed_through, solid_fraction_observed,
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
 use fieldstone::io::{AtomicFile, DataArray, IoError, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
-use fieldstone::particles::Particles;
+use fieldstone::particles::{Domain, Particles};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::arguments::{
-    CellSet, CellsArguments, ParticleArguments, Periodic, ending, fraction, not_negative, positive,
+    CellSet, CellsArguments, ParticleArguments, Periodic, bounds, ending, fraction, not_negative, positive,
 };
 use super::timing::Timing;
 use super::{outputs, report};
@@ -67,6 +67,9 @@ pub(crate) struct Fraction {
     parcel_weight: Option<ParcelWeight>,
     /// Smooth conservatively over this length (standard deviation of the Gaussian, in the input's unit); the unsmoothed
     /// field is kept as solid_fraction_unsmoothed
+    ///
+    /// On a grid that spans the box it passes periodic boundaries; on meshes, and along tilted periods, every boundary is a
+    /// wall to it, and a warning says so.
     #[arg(long, value_name = "LENGTH", value_parser = not_negative, allow_negative_numbers = true)]
     smooth: Option<f64>,
     /// Report no solid fraction above this, e.g. 0.64; the uncapped field, smoothed where asked for, is kept as
@@ -78,12 +81,36 @@ pub(crate) struct Fraction {
     /// auto in a tilted box: where the cells are no wider than the box.
     #[arg(long, default_value = "auto", value_name = "AXES")]
     periodic: Periodic,
+    /// The simulation's box, in place of that of the file; --periodic says along which axes it is periodic
+    #[arg(
+        long = "box",
+        value_name = "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX",
+        value_parser = bounds,
+        allow_hyphen_values = true
+    )]
+    bounds: Option<[f64; 6]>,
     /// Print a table of where the time went
     #[arg(short, long)]
     verbose: bool,
     /// Write an OpenFOAM time folder in binary instead of text
     #[arg(long)]
     binary: bool,
+}
+
+/// What to say where `--smooth` ends at a boundary that is none for the particles.
+fn unsmoothed_boundary<C: Cells>(cells: &C, domain: &Domain) -> Option<String> {
+    let through = smoothed_through(cells, Some(domain));
+    let (low, high) = cells.bounds();
+    // Cells that do not reach from one end of the period to the other have an end there in any case.
+    let spans = |k: usize| high[k] - low[k] > domain.cell_vectors()[k][k] * (1.0 - 1e-9);
+    let ends: String =
+        (0..3).filter(|&k| domain.periodic()[k] && spans(k) && !through[k]).map(|k| ['x', 'y', 'z'][k]).collect();
+    (!ends.is_empty()).then(|| {
+        format!(
+            "--smooth does not pass the periodic boundary along {ends}: it does where --grid spans whole \
+             periods of an upright box; cells beside that boundary are smoothed as beside a wall"
+        )
+    })
 }
 
 /// Results on cells of either kind, ready to be written.
@@ -97,7 +124,12 @@ impl Fraction {
     pub fn run(self) -> anyhow::Result<()> {
         let mut timing = Timing::default();
         let target = self.target()?;
+        let given_box = self.bounds.map(|bounds| self.periodic.given_box(bounds)).transpose()?;
         let particles = timing.measure("read", || self.particles.read())?;
+        let particles = match given_box {
+            Some(domain) => particles.with_domain(domain),
+            None => particles,
+        };
         let cells = timing.measure("read", || self.cells.read())?;
         target.check(&cells, self.cells.mesh.as_deref())?;
 
@@ -169,9 +201,15 @@ impl Fraction {
     }
 
     fn compute<C: Cells>(&self, cells: &C, particles: &Particles, timing: &mut Timing) -> anyhow::Result<Outcome> {
-        let (domain, note) = self.periodic.domain(particles, cells.bounds())?;
+        let periodic = self.periodic.domain(particles, cells.bounds());
+        let (domain, note) = periodic.map_err(|e| anyhow!("{}: {e}", self.particles.particles.display()))?;
         if let Some(note) = note {
             report::warn(&note);
+        }
+        if let (Some(domain), Some(_)) = (&domain, self.smooth.filter(|length| *length > 0.0))
+            && let Some(warning) = unsmoothed_boundary(cells, domain)
+        {
+            report::warn(&warning);
         }
         let options = SolidFractionOptions {
             method: self.method,

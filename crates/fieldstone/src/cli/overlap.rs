@@ -16,7 +16,7 @@ use super::{outputs, report};
 /// Exact overlap of spheres with single elements, row by row of a table
 ///
 /// The table has the columns cx cy cz r x0 y0 z0 x1 y1 z1 …, in any order; other columns are carried through. Added are
-/// volume, and with the kernel sphere_area, one area per face (f0_area …, faces in CGNS numbering) and the
+/// volume, and with --method kernel, the default, sphere_area, one area per face (f0_area …, faces in CGNS numbering) and the
 /// gradient of the volume with respect to the centre.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:\n  \
@@ -32,7 +32,9 @@ pub(crate) struct OverlapCases {
     /// Result table (.csv): the columns of the cases, then the results
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// kernel, decomposition, centre, cube, divided, sampled:N or monte-carlo:N; see fieldstone fraction --help
+    /// kernel, kernel-f64, decomposition, centre, cube, divided, sampled:N or monte-carlo:N; see fieldstone fraction --help
+    ///
+    /// All but kernel give the volume alone.
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Order of the corners

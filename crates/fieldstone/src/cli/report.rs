@@ -54,19 +54,9 @@ pub(crate) fn ledger(fields: &SolidFraction, inverted_cells: usize) -> String {
     line("mesh volume", number(ledger.mesh_volume));
     line("particle volume", number(ledger.particle_volume));
     line("binned volume", format!("{}  ({:.4} %)", number(ledger.binned_volume), share(ledger.binned_volume)));
-    if share(ledger.clipped_volume) < -100.0 * ROUNDING {
-        line(
-            "counted twice",
-            format!(
-                "{}  ({:.4} %, in cells that overlap each other or repeat the periodic box)",
-                number(-ledger.clipped_volume),
-                share(-ledger.clipped_volume)
-            ),
-        );
-    } else {
-        let outside = ledger.clipped_volume.max(0.0);
-        line("clipped volume", format!("{}  ({:.4} %, outside the mesh)", number(outside), share(outside)));
-    }
+    let (name, value) =
+        clipped("clipped volume", ledger.clipped_volume, ledger.particle_volume, "outside the mesh", number);
+    line(name, value);
     line("max solid fraction", number(ledger.max_solid_fraction));
     let changed = match (&fields.unsmoothed, &fields.uncapped) {
         (Some(_), Some(_)) => Some("smoothed and capped"),
@@ -83,6 +73,22 @@ pub(crate) fn ledger(fields: &SolidFraction, inverted_cells: usize) -> String {
         line("beyond 64 bits", format!("{} of {} overlaps", ledger.beyond_f64, ledger.overlaps));
     }
     text
+}
+
+/// The line for what of a total lies in no cell, or where that is below 0, for what lies in several.
+pub(crate) fn clipped(
+    name: &'static str,
+    clipped: f64,
+    total: f64,
+    why: &str,
+    number: impl Fn(f64) -> String,
+) -> (&'static str, String) {
+    let share = if total > 0.0 { clipped / total } else { 0.0 };
+    if share < -ROUNDING {
+        let twice = "in cells that overlap each other or repeat the periodic box";
+        return ("counted twice", format!("{}  ({:.4} %, {twice})", number(-clipped), -100.0 * share));
+    }
+    (name, format!("{}  ({:.4} %, {why})", number(clipped.max(0.0)), 100.0 * share.max(0.0)))
 }
 
 /// A number with the digits that a message needs.

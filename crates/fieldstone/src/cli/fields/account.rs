@@ -8,7 +8,7 @@ use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
 use super::binned::Found;
-use crate::cli::report::number;
+use crate::cli::report::{clipped, number};
 
 /// What has been seen of the frames themselves.
 #[derive(Debug, Default)]
@@ -150,8 +150,14 @@ impl Account {
         line("cells", self.cells.to_string());
         line("mass", short(l.mass_in));
         line("mass binned", format!("{}  ({:.4} %)", short(l.mass_binned), share(l.mass_binned)));
-        let why = if self.sampled { "missed by the sampled kernel" } else { "outside the cells" };
-        line("mass clipped", format!("{}  ({:.4} %, {why})", short(l.mass_clipped), share(l.mass_clipped)));
+        if self.sampled {
+            // Below 0 where the samples happen to be near the particles.
+            let missed = share(l.mass_clipped);
+            line("mass clipped", format!("{}  ({missed:.4} %, missed by the sampled kernel)", short(l.mass_clipped)));
+        } else {
+            let (name, value) = clipped("mass clipped", l.mass_clipped, l.mass_in, "outside the cells", short);
+            line(name, value);
+        }
         line("momentum", vector(&l.momentum_in));
         if self.has_momentum {
             line("momentum binned", vector(&l.momentum_binned));

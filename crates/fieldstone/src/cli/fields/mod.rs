@@ -239,11 +239,7 @@ impl<'a> Run<'a> {
     /// The box that was given, with its periodic directions.
     fn bounds(&self) -> anyhow::Result<Option<Domain>> {
         let Some(bounds) = &self.settings.bounds else { return Ok(None) };
-        let [x0, x1, y0, y1, z0, z1] = bounds.exactly("box")?;
-        let Periodic::Given(axes) = self.periodic else {
-            bail!("--box: say along which axes the box is periodic, as in --periodic xy, or --periodic none");
-        };
-        Ok(Some(Domain::new([x0, y0, z0], [x1, y1, z1], axes).map_err(|e| anyhow!("--box: {e}"))?))
+        Ok(Some(self.periodic.given_box(bounds.exactly("box")?)?))
     }
 
     fn displaced(&self) -> bool {

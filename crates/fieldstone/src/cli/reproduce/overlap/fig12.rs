@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use fieldstone::geometry::decomposition::{self, DecompositionElement};
-use fieldstone::geometry::{OverlapBatch, Polyhedron, overlap_volume};
+use fieldstone::geometry::{Polyhedron, overlap_volume};
 use fieldstone::io::AtomicFile;
 use plotters::chart::SeriesLabelPosition;
 
@@ -15,24 +15,21 @@ use super::{Settings, progress};
 /// Radii, the range of the paper.
 const RADII: [f64; 10] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// What is timed.
+/// What is timed, one call per element: a single sphere has no batch to be evaluated in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Timed {
-    /// The kernel, all elements of the mesh in one call.
-    Batch,
-    /// The kernel, one call per element.
-    Single,
-    /// Caps, wedges and cones, one call per element.
+    /// The kernel.
+    Kernel,
+    /// Caps, wedges and cones.
     Decomposition,
 }
 
 impl Timed {
-    pub const ALL: [Self; 3] = [Self::Batch, Self::Single, Self::Decomposition];
+    pub const ALL: [Self; 2] = [Self::Kernel, Self::Decomposition];
 
     pub fn name(self) -> &'static str {
         match self {
-            Self::Batch => "kernel in batches",
-            Self::Single => "kernel call by call",
+            Self::Kernel => "kernel",
             Self::Decomposition => "decomposition",
         }
     }
@@ -98,13 +95,13 @@ pub(super) fn run(settings: &Settings) -> Result<String> {
     let columns = Timed::ALL.map(Timed::name).join(" | ");
     let mut text = format!(
         "## Time per sphere (Fig. 12)\n\n![Time per sphere over the radius](fig12.png)\n\nOne sphere with all elements of \
-         the mesh of 27 cells, mean over {} spheres (paper: 10,000), best of three runs; processor time of one thread, \
-         elements built beforehand. In microseconds:\n\n| mesh | r | {columns} |\n|---|---|---|---|---|\n",
+         the mesh of 27 cells, a call for each; mean over {} spheres (paper: 10,000), best of three runs; processor time of one thread, \
+         elements built beforehand. In microseconds:\n\n| mesh | r | {columns} |\n|---|---|---|---|\n",
         samples(settings)
     );
     for (split, radius, seconds) in times.iter().filter(|t| [0.1, 0.3, 0.6, 1.0].contains(&t.1)) {
-        let [batch, single, other] = seconds.map(|s| 1e6 * s);
-        text.push_str(&format!("| {} | {radius} | {batch:.2} | {single:.2} | {other:.2} |\n", split.name()));
+        let [kernel, other] = seconds.map(|s| 1e6 * s);
+        text.push_str(&format!("| {} | {radius} | {kernel:.2} | {other:.2} |\n", split.name()));
     }
     Ok(text)
 }
@@ -127,18 +124,12 @@ pub(super) fn mesh_of_27_cells(split: Split) -> Result<Elements> {
 /// Mean over the spheres, best of `runs`: what else the machine does only ever adds to a time.
 pub(super) fn seconds_per_sphere(spheres: &[Trial], elements: &Elements, way: Timed, runs: u32) -> f64 {
     let Elements { polyhedra, decomposed } = elements;
-    let mut batch = OverlapBatch::default();
-    let mut volumes = vec![0.0; polyhedra.len()];
-    let mut once = || {
+    let once = || {
         let start = thread_seconds();
         let mut total = 0.0;
         for Trial { ball, .. } in spheres {
             total += match way {
-                Timed::Batch => {
-                    batch.ball_in_elements(ball, polyhedra, &mut volumes);
-                    volumes.iter().sum::<f64>()
-                }
-                Timed::Single => polyhedra.iter().map(|e| overlap_volume(ball, e)).sum(),
+                Timed::Kernel => polyhedra.iter().map(|e| overlap_volume(ball, e)).sum::<f64>(),
                 Timed::Decomposition => decomposed.iter().map(|e| decomposition::overlap_volume(ball, e)).sum(),
             };
         }

@@ -1,5 +1,7 @@
 //! The page that says what agrees and what is better.
 
+use std::fmt;
+
 use super::Settings;
 use super::samples::{PAPER_SAMPLES, Schedule};
 use crate::cli::reproduce::sections::{Section, took};
@@ -33,17 +35,46 @@ pub(super) fn exponent(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-/// How a number of this run stands to one of the paper's.
-pub(super) fn against(ours: f64, paper: f64) -> String {
-    // Half a unit of the last digit: what an error of 0 stands for.
-    let ours = ours.max(0.5 * f64::EPSILON);
-    let ratio = paper / ours;
-    if ratio >= 1.5 {
-        format!("{ours:.1e}, {ratio:.0} times below the paper's {paper:.0e}")
-    } else if ratio > 1.0 / 1.5 {
-        format!("{ours:.1e}, the paper's {paper:.0e}")
-    } else {
-        format!("{ours:.1e}, above the paper's {paper:.0e}")
+/// What the paper's text says of an error.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Paper {
+    /// "a plateau determined by the machine precision (≈ 10⁻¹⁶ for values near unity)", without a number for it.
+    MachinePrecision,
+    /// "of the order of".
+    OfTheOrder(f64),
+    /// "well below": an upper bound, so a smaller error is no better than the paper's.
+    WellBelow(f64),
+}
+
+impl fmt::Display for Paper {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MachinePrecision => f.write_str("machine precision"),
+            Self::OfTheOrder(error) => write!(f, "≈ {error:.0e}"),
+            Self::WellBelow(error) => write!(f, "< {error:.0e}"),
+        }
+    }
+}
+
+impl Paper {
+    /// How an error of this run stands to it.
+    pub fn against(self, ours: f64) -> String {
+        let place = match self {
+            Self::MachinePrecision => {
+                return format!(
+                    "{}; the paper's is determined by the machine precision, ≈ 1e-16 for values near unity",
+                    exponent(ours)
+                );
+            }
+            // Half an order to either side is of it.
+            Self::OfTheOrder(error) if ours * 10f64.sqrt() < error => "below the paper's order of",
+            Self::OfTheOrder(error) if ours > error * 10f64.sqrt() => "above the paper's order of",
+            Self::OfTheOrder(_) => "of the paper's order,",
+            Self::WellBelow(error) if ours < error => "below the paper's bound of",
+            Self::WellBelow(_) => "above the paper's bound of",
+        };
+        let (Self::OfTheOrder(error) | Self::WellBelow(error)) = self else { return exponent(ours) };
+        format!("{}, {place} {error:.0e}", exponent(ours))
     }
 }
 
@@ -61,4 +92,21 @@ pub(super) fn error_table(title: &str, radii: &[f64], columns: &[String], curves
     }
     text.push('\n');
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_set_against_no_more_than_the_paper_says() {
+        let bound = Paper::WellBelow(1e-11);
+        assert_eq!(format!("{bound}; {}", bound.against(0.0)), "< 1e-11; 0, below the paper's bound of 1e-11");
+        assert_eq!(bound.against(2e-11), "2.0e-11, above the paper's bound of 1e-11");
+        let order = Paper::OfTheOrder(1e-14);
+        assert_eq!(format!("{order}; {}", order.against(1.6e-14)), "≈ 1e-14; 1.6e-14, of the paper's order, 1e-14");
+        assert_eq!(order.against(1.3e-15), "1.3e-15, below the paper's order of 1e-14");
+        assert_eq!(order.against(4e-14), "4.0e-14, above the paper's order of 1e-14");
+        assert!(Paper::MachinePrecision.against(2e-15).starts_with("2.0e-15; the paper's is determined by"));
+    }
 }
