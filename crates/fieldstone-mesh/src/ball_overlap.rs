@@ -229,16 +229,16 @@ impl Mesh {
             scratch.counts.evaluated += 1;
             let whole = self.cell_volumes()[cell as usize];
             if scratch.promise && error > PROMISE * whole.min(ball.volume()) {
-                scratch.counts.beyond_f64 += 1;
-                // A cell that cannot stand alone (points that coincide) keeps what f64 gives.
-                match self.polyhedron_of_pieces(cell as usize) {
-                    Ok(alone) if volume_only => volume = overlap_volume(ball, &alone),
-                    Ok(alone) => {
+                // Every cell that a mesh takes can stand alone: see `Mesh::assemble`.
+                if let Ok(alone) = self.polyhedron_of_pieces(cell as usize) {
+                    scratch.counts.beyond_f64 += 1;
+                    if volume_only {
+                        volume = overlap_volume(ball, &alone);
+                    } else {
                         // Of one evaluation: an area in `f64` may see the ball pass by where the volume sees it cut.
                         let exact = overlap(ball, &alone);
                         (volume, sphere_area) = (exact.volume, exact.sphere_area);
                     }
-                    Err(_) => {}
                 }
             }
         }

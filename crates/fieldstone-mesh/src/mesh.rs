@@ -1,6 +1,6 @@
 //! The polyhedral mesh: points, faces, owner and neighbour.
 
-use fieldstone_geometry::{ElementError, ElementKind, Orientation, Polyhedron};
+use fieldstone_geometry::ElementKind;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -332,50 +332,6 @@ impl Mesh {
     pub fn cell_bounds(&self, cell: usize) -> ([f64; 3], [f64; 3]) {
         let [low, high] = self.bounds[cell];
         (low.to_array(), high.to_array())
-    }
-
-    /// A cell as a polyhedron of its own: the path that shares nothing with its neighbours.
-    ///
-    /// # Errors
-    /// [`ElementError`] where the cell is acceptable in a mesh but not alone (coincident points).
-    pub fn polyhedron(&self, cell: usize) -> Result<Polyhedron, ElementError> {
-        let points = &self.parts.points;
-        self.stand_alone(self.signed_faces(cell).map(|(face, sign)| (self.parts.face(face), sign)), |label| {
-            points[label as usize]
-        })
-    }
-
-    /// As [`Mesh::polyhedron`], from the very pieces that the mesh has: a warped face is fanned around the mesh's rounded
-    /// centroid, whatever a polyhedron of its own would make of it.
-    pub(crate) fn polyhedron_of_pieces(&self, cell: usize) -> Result<Polyhedron, ElementError> {
-        let pieces = self.signed_faces(cell).flat_map(|(face, sign)| self.surface.pieces(face).map(move |p| (p, sign)));
-        self.stand_alone(pieces.map(|(piece, sign)| (self.surface.ring(piece), sign)), |label| {
-            self.surface.vertices[label as usize].to_array()
-        })
-    }
-
-    fn stand_alone<'a>(
-        &self,
-        rings: impl Iterator<Item = (&'a [u32], f64)>,
-        point: impl Fn(u32) -> [f64; 3],
-    ) -> Result<Polyhedron, ElementError> {
-        let mut labels: Vec<u32> = Vec::new();
-        let mut faces: Vec<Vec<usize>> = Vec::new();
-        for (corners, sign) in rings {
-            let mut ring: Vec<usize> = Vec::with_capacity(corners.len());
-            for &label in corners {
-                ring.push(labels.iter().position(|&l| l == label).unwrap_or_else(|| {
-                    labels.push(label);
-                    labels.len() - 1
-                }));
-            }
-            if sign < 0.0 {
-                ring.reverse();
-            }
-            faces.push(ring);
-        }
-        let points: Vec<[f64; 3]> = labels.iter().map(|&l| point(l)).collect();
-        Polyhedron::from_faces(&points, &faces, Orientation::Fix)
     }
 }
 

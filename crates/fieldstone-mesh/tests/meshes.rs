@@ -333,3 +333,27 @@ fn cells_keep_the_promise_for_balls_of_any_size_and_count_what_that_takes() {
         "{compared}, {counts:?}"
     );
 }
+
+#[test]
+fn points_at_one_place_are_one_corner_however_large_the_ball() {
+    // A prism, once as a wedge, once as a hexahedron of which two edges have their ends at one place.
+    let wedge = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let hexahedron: Vec<[f64; 3]> = [0, 1, 2, 2, 3, 4, 5, 5].map(|k: usize| wedge[k]).to_vec();
+    let mesh = |kind, points: Vec<[f64; 3]>| {
+        let mut cells = CellList::new();
+        cells.push(kind, CornerOrder::Cgns, &(0..points.len() as u32).collect::<Vec<_>>()).unwrap();
+        Mesh::from_cells(points, cells).unwrap()
+    };
+    let meshes = [mesh(ElementKind::Wedge, wedge.to_vec()), mesh(ElementKind::Hexahedron, hexahedron)];
+    for radius in [1e4, 1e6] {
+        let ball = Ball::new([0.3, 0.3, 0.5 - radius], radius).unwrap();
+        let exact = overlap_volume(&ball, &meshes[0].polyhedron(0).unwrap());
+        for mesh in &meshes {
+            let mut scratch = mesh.scratch();
+            let mut found = Vec::new();
+            mesh.overlap_ball(&ball, &mut scratch, &mut found);
+            assert!((found[0].1 - exact).abs() <= PROMISE * exact, "r {radius}: {} against {exact}", found[0].1);
+            assert_eq!(mesh.path_counts(&scratch).beyond_f64, 1);
+        }
+    }
+}
