@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use fieldstone_geometry::ElementKind;
 use glam::DVec3;
 
+use crate::alone::stand_alone;
+use crate::mesh::{CANCELLED, cross_terms};
 use crate::{CellList, MeshError, MeshParts, Patch};
 
 /// Cells with shared faces.
@@ -48,12 +50,12 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
         } else {
             check_points(&points, cell, entries)?;
             let mut own = entries.to_vec();
-            if signed_volume(&points, kind, &own) < 0.0 {
+            if is_inside_out(&points, &rings_of(kind, &own)) {
                 own = kind.mirrored().iter().map(|&k| entries[k]).collect();
                 inverted += usize::from(kind != ElementKind::Wedge);
             }
             corners.extend_from_slice(&own);
-            kind.faces().iter().map(|face| face.iter().map(|&k| own[k]).collect()).collect()
+            rings_of(kind, &own)
         };
         corner_ends.push(corners.len());
         for ring in cell_rings {
@@ -118,8 +120,7 @@ fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result
         return Err(MeshError::NoFaces { cell });
     }
     make_consistent(&mut rings);
-    let volume: f64 = rings.iter().map(|ring| six_volumes(points, rings[0][0], ring)).sum();
-    if volume < 0.0 {
+    if is_inside_out(points, &rings) {
         rings.iter_mut().for_each(|ring| ring.reverse());
     }
     Ok(rings)
@@ -158,18 +159,25 @@ fn edges_of(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     ring.iter().enumerate().map(|(k, &a)| [a, ring[(k + 1) % ring.len()]])
 }
 
-fn six_volumes(points: &[[f64; 3]], origin: u32, ring: &[u32]) -> f64 {
-    let at = |k: u32| DVec3::from(points[k as usize]) - DVec3::from(points[origin as usize]);
-    ring[1..].windows(2).map(|p| at(ring[0]).dot(at(p[0]).cross(at(p[1])))).sum()
+fn rings_of(kind: ElementKind, corners: &[u32]) -> Vec<Vec<u32>> {
+    kind.faces().iter().map(|face| face.iter().map(|&k| corners[k]).collect()).collect()
 }
 
-fn signed_volume(points: &[[f64; 3]], kind: ElementKind, corners: &[u32]) -> f64 {
-    kind.faces()
-        .iter()
-        .map(|face| {
-            let ring: Vec<u32> = face.iter().map(|&k| corners[k]).collect();
-            six_volumes(points, corners[0], &ring)
-        })
-        .sum::<f64>()
-        / 6.0
+/// Whether faces enclose a negative volume; of a flat cell rounded terms do not tell.
+fn is_inside_out(points: &[[f64; 3]], rings: &[Vec<u32>]) -> bool {
+    let Some(&origin) = rings.first().and_then(|ring| ring.first()) else { return false };
+    let at = |k: u32| DVec3::from(points[k as usize]) - DVec3::from(points[origin as usize]);
+    let (mut six_volumes, mut terms) = (0.0, 0.0);
+    for ring in rings {
+        let first = at(ring[0]);
+        for pair in ring[1..].windows(2) {
+            let (a, b) = (at(pair[0]), at(pair[1]));
+            six_volumes += first.dot(a.cross(b));
+            terms += first.abs().dot(cross_terms(a, b));
+        }
+    }
+    if six_volumes.abs() > CANCELLED * terms {
+        return six_volumes < 0.0;
+    }
+    stand_alone(rings.iter().cloned(), |label| points[label as usize]).is_ok_and(|alone| alone.was_inverted())
 }

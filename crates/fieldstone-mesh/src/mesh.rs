@@ -1,12 +1,15 @@
 //! The polyhedral mesh: points, faces, owner and neighbour.
 
 use fieldstone_geometry::ElementKind;
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use crate::cell_tree::CellTree;
 use crate::surface::Surface;
 use crate::{CellList, MeshError, from_cells, shape};
+
+/// A volume of less than this of its terms is computed in more digits than `f64` has.
+pub(crate) const CANCELLED: f64 = 1e-3;
 
 /// A named, contiguous range of boundary faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -182,7 +185,8 @@ impl Mesh {
             .collect();
         for (cell, &(volume, centre, [low, high])) in measured.iter().enumerate() {
             let size = (high - low).max_element();
-            if volume.abs() <= f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
+            // Above what a polyhedron of its own is refused for, whatever the two roundings: every cell that is taken can stand alone.
+            if volume.abs() <= 8.0 * f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
                 return Err(MeshError::NoVolume { cell, volume });
             }
             if volume < 0.0 {
@@ -198,10 +202,12 @@ impl Mesh {
     }
 
     /// Signed volume and centroid, with faces fanned around their centroids as OpenFOAM does.
+    ///
+    /// The volume is as exact as the promise needs it, in flat cells too: it is what a ball around the cell has in common with it.
     fn measure(&self, cell: usize) -> (f64, DVec3) {
         let [low, high] = self.box_around(cell);
         let origin = 0.5 * (low + high);
-        let (mut three_volumes, mut weighted) = (0.0, DVec3::ZERO);
+        let (mut three_volumes, mut weighted, mut terms) = (0.0, DVec3::ZERO, 0.0);
         for (face, sign) in self.signed_faces(cell) {
             // All triangles of a fan share the centroid, so it is the one point of a warped face to measure by. Of a planar
             // one any point will do, and a corner is not rounded.
@@ -213,10 +219,37 @@ impl Mesh {
             };
             let pyramid = sign * self.surface.area_vectors[face].dot(on_face);
             three_volumes += pyramid;
+            terms += self.area_terms(face).dot(on_face.abs());
             // The centroid of a pyramid is three quarters of the way from its apex to that of its base.
             weighted += 0.75 * pyramid * to_face;
         }
-        (three_volumes / 3.0, origin + weighted / three_volumes)
+        let volume = three_volumes / 3.0;
+        let centre = origin + weighted / three_volumes;
+        if three_volumes.abs() > CANCELLED * terms {
+            return (volume, centre);
+        }
+        // Next to nothing is left of the terms, so that the centroid is not known either, except that it is in the box.
+        let centre = if centre.is_finite() { centre.clamp(low, high) } else { origin };
+        match self.polyhedron_of_pieces(cell) {
+            Ok(alone) if alone.was_inverted() => (-alone.volume(), centre),
+            Ok(alone) => (alone.volume(), centre),
+            // What cannot stand alone encloses nothing.
+            Err(_) => (0.0, centre),
+        }
+    }
+
+    /// Sum of the magnitudes of the products that a face's area vector is made of, along each axis.
+    fn area_terms(&self, face: usize) -> DVec3 {
+        let ring = self.parts.face(face);
+        let from_centroid = |k: u32| self.surface.vertices[k as usize] - self.surface.centroids[face];
+        let mut terms = DVec3::ZERO;
+        let mut a = from_centroid(ring[ring.len() - 1]);
+        for &k in ring {
+            let b = from_centroid(k);
+            terms += cross_terms(a, b);
+            a = b;
+        }
+        0.5 * terms
     }
 
     fn box_around(&self, cell: usize) -> [DVec3; 2] {
@@ -333,6 +366,12 @@ impl Mesh {
         let [low, high] = self.bounds[cell];
         (low.to_array(), high.to_array())
     }
+}
+
+/// The cross product with the magnitudes of its products added up.
+pub(crate) fn cross_terms(a: DVec3, b: DVec3) -> DVec3 {
+    let (a, b) = (a.abs(), b.abs());
+    a.yzx() * b.zxy() + a.zxy() * b.yzx()
 }
 
 fn check(parts: &MeshParts) -> Result<(), MeshError> {
