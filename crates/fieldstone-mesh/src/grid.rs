@@ -1,6 +1,6 @@
 //! Cartesian grids: cells by arithmetic, ball overlaps by the closed form for boxes.
 
-use fieldstone_geometry::{Ball, ElementKind, PROMISE, Polyhedron, corner_volume, overlap_volume};
+use fieldstone_geometry::{Ball, ElementKind, PROMISE, Polyhedron, corner_volume, fast_overlap_volume, overlap_volume};
 
 use crate::cells::ElementSink;
 use crate::{Cells, Coordinates, MeshError, PathCounts};
@@ -234,26 +234,31 @@ impl Cells for Grid {
         for k in 0..zs.len() - 1 {
             for j in 0..ny - 1 {
                 for i in 0..nx - 1 {
+                    // A grid's boxes are as near as the nearest of their points: what is apart by this is not evaluated.
+                    let near = gap(xs, i).powi(2) + gap(ys, j).powi(2) + gap(zs, k).powi(2);
+                    if near >= 1.0 + 8.0 * f64::EPSILON {
+                        continue;
+                    }
                     let cell = self.cell_at([spans[0][0] + i, spans[1][0] + j, spans[2][0] + k]);
                     let (dx, dy, dz) = (far(xs, i), far(ys, j), far(zs, k));
                     let whole = self.cell_volume(cell);
                     let volume = if dx * dx + dy * dy + dz * dz <= 1.0 - 8.0 * f64::EPSILON {
                         whole
                     } else {
-                        let n = |di: usize, dj: usize, dk: usize| nodes[(i + di) + nx * ((j + dj) + ny * (k + dk))];
-                        let top = (n(1, 1, 1) - n(0, 1, 1)) - (n(1, 0, 1) - n(0, 0, 1));
-                        let bottom = (n(1, 1, 0) - n(0, 1, 0)) - (n(1, 0, 0) - n(0, 0, 0));
+                        let smaller = whole.min(ball.volume());
                         scratch.counts.evaluated += 1;
-                        if ROUNDING * r3 <= PROMISE * whole.min(ball.volume()) || scratch.fast {
-                            ((top - bottom) * r3).clamp(0.0, whole.min(ball.volume()))
+                        if ROUNDING * r3 <= PROMISE * smaller || scratch.fast {
+                            let n = |di: usize, dj: usize, dk: usize| nodes[(i + di) + nx * ((j + dj) + ny * (k + dk))];
+                            let top = (n(1, 1, 1) - n(0, 1, 1)) - (n(1, 0, 1) - n(0, 0, 1));
+                            let bottom = (n(1, 1, 0) - n(0, 1, 0)) - (n(1, 0, 0) - n(0, 0, 0));
+                            ((top - bottom) * r3).clamp(0.0, smaller)
                         } else {
-                            scratch.counts.beyond_f64 += 1;
-                            self.overlap_cell(ball, cell)
+                            let (volume, beyond) = self.overlap_cell(ball, cell);
+                            scratch.counts.beyond_f64 += u64::from(beyond);
+                            volume
                         }
                     };
-                    let apart =
-                        gap(xs, i).powi(2) + gap(ys, j).powi(2) + gap(zs, k).powi(2) >= 1.0 + 8.0 * f64::EPSILON;
-                    if volume > 0.0 && !apart {
+                    if volume > 0.0 {
                         out.push((cell as u32, volume));
                     }
                 }
@@ -355,11 +360,17 @@ impl Cells for Grid {
 }
 
 impl Grid {
-    /// Overlap with one cell by the general kernel, in as many digits as it takes.
-    fn overlap_cell(&self, ball: &Ball, cell: usize) -> f64 {
+    /// Overlap with one cell by the general kernel, and whether it took more digits than `f64` has.
+    fn overlap_cell(&self, ball: &Ball, cell: usize) -> (f64, bool) {
         let (low, high) = self.cell_bounds(cell);
         // Cells are boxes by construction; one too thin for its coordinates holds nothing.
-        Polyhedron::cuboid(low, high).map_or(0.0, |cell| overlap_volume(ball, &cell))
+        let Ok(alone) = Polyhedron::cuboid(low, high) else { return (0.0, false) };
+        let (volume, error) = fast_overlap_volume(ball, &alone);
+        if error <= PROMISE * alone.volume().min(ball.volume()) {
+            (volume, false)
+        } else {
+            (overlap_volume(ball, &alone), true)
+        }
     }
 }
 

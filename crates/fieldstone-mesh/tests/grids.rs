@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_geometry::{Ball, Polyhedron, corner_volume, overlap_volume};
+use fieldstone_geometry::{Ball, PROMISE, Polyhedron, corner_volume, fast_overlap_volume, overlap_volume};
 use fieldstone_mesh::{Cells, Grid};
 use proptest::prelude::*;
 
@@ -108,4 +108,37 @@ fn impossible_grids_are_refused() {
     assert!(Grid::new([0.0; 3], [1.0; 3], [1, 0, 1]).is_err());
     assert!(Grid::new([0.0; 3], [f64::INFINITY; 3], [1; 3]).is_err());
     assert!(Grid::new([0.0; 3], [1.0; 3], [usize::MAX, 2, 2]).is_err());
+}
+
+#[test]
+fn balls_much_larger_than_the_cells_keep_the_promise_and_only_cells_that_they_cut_are_counted() {
+    let (mut cut, mut beyond) = (0, 0);
+    for exponent in -2..=16 {
+        // From 2 to 7e4 times the cells' size; through the middle of the grid, in a direction of no symmetry.
+        let radius = 7.0 * 10f64.powf(f64::from(exponent) / 4.0);
+        let grid = Grid::new([-1.0; 3], [1.0, 2.0, 1.5], [2, 3, 3]).unwrap();
+        let ball = Ball::new([0.48, 0.6, 0.64].map(|x| x * radius), radius).unwrap();
+        let mut scratch = grid.scratch();
+        let mut found = Vec::new();
+        grid.overlap_ball(&ball, &mut scratch, &mut found);
+        let mut expected = (0, 0);
+        for cell in 0..grid.cell_count() {
+            let (low, high) = grid.cell_bounds(cell);
+            let alone = Polyhedron::cuboid(low, high).unwrap();
+            let exact = overlap_volume(&ball, &alone);
+            let volume = found.iter().find(|f| f.0 as usize == cell).map_or(0.0, |f| f.1);
+            assert!((volume - exact).abs() <= 2.0 * PROMISE * alone.volume(), "r {radius}: {volume} against {exact}");
+            if exact > 0.0 && exact < alone.volume() {
+                expected.0 += 1;
+                let (_, error) = fast_overlap_volume(&ball, &alone);
+                // Up to some six cells the closed form is enough.
+                expected.1 += u64::from(radius > 6.5 && error > PROMISE * alone.volume());
+            }
+        }
+        let counts = grid.path_counts(&scratch);
+        assert_eq!((counts.evaluated, counts.beyond_f64), expected, "r {radius}");
+        cut += counts.evaluated;
+        beyond += counts.beyond_f64;
+    }
+    assert!(beyond > 50 && beyond < cut, "{beyond} of {cut}");
 }
