@@ -147,6 +147,21 @@ pub enum MeshError {
         /// Cells.
         cells: usize,
     },
+    /// Planes of a grid coincide: numbers of this size have too few digits for its cells.
+    #[error(
+        "planes {plane} and {} of the grid along {axis} fall together at {at}: 64-bit numbers of this size do not resolve {cells} cells; take fewer cells, or coordinates nearer to the origin",
+        plane + 1
+    )]
+    GridPlanes {
+        /// Axis name.
+        axis: char,
+        /// The lower of the two planes, from 0.
+        plane: usize,
+        /// Where it is.
+        at: f64,
+        /// Cells along the axis.
+        cells: usize,
+    },
     /// A set of coordinates that no grid resolves.
     #[error("there are no coordinates '{0}'; choose one of O (all averaged), X, Y, Z, XY, XZ, YZ, XYZ")]
     UnknownCoordinates(String),

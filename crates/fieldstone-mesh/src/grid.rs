@@ -43,7 +43,8 @@ impl Grid {
     ///
     /// # Errors
     /// [`MeshError::Grid`] for bounds that are not finite or not rising, or no cells along an axis;
-    /// [`MeshError::TooLarge`] beyond 2³² − 2 cells.
+    /// [`MeshError::TooLarge`] beyond 2³² − 2 cells; [`MeshError::GridPlanes`] where planes fall together because coordinates of
+    /// this size are too coarse for the cells.
     pub fn new(low: [f64; 3], high: [f64; 3], cells: [usize; 3]) -> Result<Self, MeshError> {
         for k in 0..3 {
             let extent = high[k] - low[k];
@@ -55,7 +56,19 @@ impl Grid {
         if count >= u32::MAX as usize {
             return Err(MeshError::TooLarge { what: "cells", count });
         }
-        Ok(Self { low, high, cells, averaged: [false; 3] })
+        let this = Self { low, high, cells, averaged: [false; 3] };
+        for k in 0..3 {
+            // A plane is off by three units of the last digit at most; only below twice that is there anything to look for.
+            let largest = low[k].abs().max(high[k].abs());
+            if this.spacing()[k] > 8.0 * (largest - largest.next_down()) {
+                continue;
+            }
+            if let Some(plane) = (0..cells[k]).find(|&i| this.plane(k, i + 1) <= this.plane(k, i)) {
+                let axis = ['x', 'y', 'z'][k];
+                return Err(MeshError::GridPlanes { axis, plane, at: this.plane(k, plane), cells: cells[k] });
+            }
+        }
+        Ok(this)
     }
 
     /// A grid that resolves the marked directions only; the others have one cell over the whole extent.

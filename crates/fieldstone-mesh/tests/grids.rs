@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_geometry::{Ball, PROMISE, Polyhedron, corner_volume, fast_overlap_volume, overlap_volume};
-use fieldstone_mesh::{Cells, Grid};
+use fieldstone_mesh::{Cells, Grid, MeshError};
 use proptest::prelude::*;
 
 fn volumes(grid: &Grid, ball: &Ball) -> Vec<(u32, f64)> {
@@ -100,6 +100,22 @@ fn a_box_is_shared_out_completely() {
     grid.overlap_cuboid([0.1, 0.2, 0.3], [0.9, 0.55, 1.4], &mut grid.scratch(), &mut out);
     let sum: f64 = out.iter().map(|p| p.1).sum();
     assert!((sum - 0.8 * 0.35 * 0.7).abs() < 1e-15);
+}
+
+#[test]
+fn grids_whose_planes_fall_together_are_refused_and_those_that_just_do_not_are_taken() {
+    // Coordinates near 1e16 are even numbers.
+    let along = |low: f64, high: f64, cells| Grid::new([0.0, low, 0.0], [1.0, high, 1.0], [1, cells, 1]);
+    let error = along(1e16, 1e16 + 4.0, 10).unwrap_err();
+    assert!(matches!(error, MeshError::GridPlanes { axis: 'y', plane: 0, at: 1e16, cells: 10 }), "{error:?}");
+    assert!(error.to_string().contains("fewer cells"));
+    assert!(along(-1e16 - 4.0, -1e16, 3).is_err());
+    for (low, high, cells) in [(1e16, 1e16 + 4.0, 2), (1e16, 1e16 + 4000.0, 700), (-1e-300, 1e-300, 1000)] {
+        let grid = along(low, high, cells).unwrap();
+        assert!((0..cells).all(|cell| grid.plane(1, cell) < grid.plane(1, cell + 1)));
+    }
+    // The smallest numbers there are have as few digits.
+    assert!(along(0.0, f64::from_bits(5), 10).is_err());
 }
 
 #[test]
