@@ -357,3 +357,38 @@ fn points_at_one_place_are_one_corner_however_large_the_ball() {
         }
     }
 }
+
+/// Two unit cubes side by side, the first one's common face as the rings given.
+fn two_cubes(common: &[&[u32]]) -> Mesh {
+    let points = (0..12).map(|k| [k / 4, k & 1, k / 2 & 1].map(f64::from)).collect();
+    // Corners 4 to 7 are the common ones.
+    let side = |a: u32, b: u32| {
+        vec![
+            vec![a, a + 1, b + 1, b],
+            vec![a + 2, b + 2, b + 3, a + 3],
+            vec![a, b, b + 2, a + 2],
+            vec![a + 1, a + 3, b + 3, b + 1],
+        ]
+    };
+    let mut cells = CellList::new();
+    for (a, b, end) in [(0, 4, [0, 2, 3, 1]), (4, 8, [8, 9, 11, 10])] {
+        let mut faces = side(a, b);
+        faces.push(end.to_vec());
+        faces.extend(common.iter().map(|ring| ring.to_vec()));
+        cells.push_polyhedron(faces.iter().map(Vec::as_slice));
+    }
+    Mesh::from_cells(points, cells).unwrap()
+}
+
+#[test]
+fn cells_with_several_common_faces_meet_once_with_the_sum_of_their_areas() {
+    for common in [&[&[4, 5, 7, 6][..]][..], &[&[4, 5, 7], &[4, 7, 6]]] {
+        let mesh = two_cubes(common);
+        assert_eq!(mesh.parts().neighbour.len(), common.len());
+        for cell in 0..2u32 {
+            let mut met = Vec::new();
+            mesh.for_each_neighbour(cell as usize, &mut |other, area| met.push((other, area)));
+            assert_eq!(met, [(1 - cell, 1.0)]);
+        }
+    }
+}
