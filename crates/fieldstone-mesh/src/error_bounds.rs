@@ -1,10 +1,15 @@
-//! The bounds of the errors of volumes in `f64`, from inside and from outside, against more digits.
+//! The bounds of the errors of volumes in `f64`, in meshes from inside and from outside and in grids, against more digits.
+//!
+//! The long run: `FIELDSTONE_PAIRS=200000 cargo test --release -p fieldstone-mesh --lib error_bounds -- --nocapture`.
 
-use fieldstone_geometry::{Ball, CornerOrder, ElementKind, PROMISE, Precision, certified_overlap, overlap_in};
+use fieldstone_geometry::{
+    Ball, CornerOrder, ElementKind, PROMISE, Polyhedron, Precision, certified_overlap, overlap_in,
+};
 use fieldstone_testing::{Random, pairs};
 
 use crate::ball_overlap::Way;
-use crate::{CellList, Cells, Mesh};
+use crate::grid::ROUNDING;
+use crate::{CellList, Cells, Grid, Mesh};
 
 /// Pairs of each kind tried by default; `FIELDSTONE_PAIRS` asks for more.
 fn count() -> u64 {
@@ -73,4 +78,35 @@ fn the_bounds_hold_for_small_balls_near_edges_where_angles_lose_digits() {
         ([0, 1, 2].map(|k| a[k] + along * (b[k] - a[k]) + off * direction[k]), radius)
     });
     assert!(worst.iter().all(|&ratio| ratio <= 0.5), "{worst:?}");
+}
+
+#[test]
+fn the_rounding_of_the_closed_form_in_grids_is_half_of_what_it_is_taken_for() {
+    let (mut compared, mut worst) = (0u64, 0.0f64);
+    for seed in 0..count() / 4 {
+        let random = &mut Random(seed);
+        let cells = [0; 3].map(|_| 1 + random.below(4));
+        let grid = Grid::new([0.0; 3], [4.0, 3.0, 2.0], cells).unwrap();
+        let (mut centre, radius) = (random.point(-0.5, 4.5), random.uniform(0.05, 3.0));
+        for (k, x) in centre.iter_mut().enumerate() {
+            let plane = grid.plane(k, random.below(cells[k] + 1));
+            match random.below(8) {
+                0 => *x = plane,
+                1 => *x = plane + radius * 10f64.powf(random.uniform(-9.0, 0.0)),
+                _ => (),
+            }
+        }
+        let ball = Ball::new(centre, radius).unwrap();
+        let mut found = Vec::new();
+        grid.overlap_ball(&ball, &mut grid.fast_scratch(), &mut found);
+        for (cell, volume) in found {
+            let (low, high) = grid.cell_bounds(cell as usize);
+            let certain = overlap_in(&ball, &Polyhedron::cuboid(low, high).unwrap(), Precision::DoubleDouble);
+            let error = (volume - certain.overlap.volume).abs() - certain.volume_error;
+            worst = worst.max(error / (ROUNDING * radius.powi(3)));
+            compared += 1;
+        }
+    }
+    println!("{compared} cells; largest error / bound {worst:.3}");
+    assert!(compared > count() && worst > 0.1 && worst <= 0.5, "{worst} of {compared}");
 }

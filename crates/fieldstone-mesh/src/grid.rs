@@ -26,8 +26,9 @@ pub struct Grid {
     averaged: [bool; 3],
 }
 
-/// Rounding error of the eightfold difference of [`corner_volume`], relative to r³.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Bound of the rounding error of the eightfold difference of [`corner_volume`], relative to r³: twice the largest of 800,000
+/// cells cut by random balls, and by such with their centres on and near planes. `error_bounds.rs` repeats them.
+pub(crate) const ROUNDING: f64 = 48.0 * f64::EPSILON;
 
 /// Working memory of a [`Grid`]: volumes at the grid's corners around one ball.
 #[derive(Debug, Clone, Default)]
