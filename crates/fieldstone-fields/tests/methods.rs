@@ -72,7 +72,7 @@ fn every_method_but_the_smoothed_one_places_all_of_a_volume_that_is_inside() {
 
 #[test]
 fn neighbours_count_once_for_the_smoothed_method_however_their_common_face_is_split() {
-    let points: Vec<[f64; 3]> = (0..12).map(|k| [k / 4, k & 1, k / 2 & 1].map(f64::from)).collect();
+    let points: Vec<[f64; 3]> = (0..12).map(|k| [k / 4, k & 1, (k / 2) & 1].map(f64::from)).collect();
     let ball = Particles::new(vec![[0.5; 3]]).unwrap().with_uniform_radius(0.3).unwrap();
     for common in [&[&[4, 5, 7, 6][..]][..], &[&[4, 5, 7], &[4, 7, 6]]] {
         let mut cells = CellList::new();

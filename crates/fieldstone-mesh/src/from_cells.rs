@@ -7,6 +7,8 @@ use glam::DVec3;
 
 use crate::alone::stand_alone;
 use crate::mesh::{CANCELLED, cross_terms};
+use crate::rings::{is_rotation, simple_loops};
+use crate::shape::standard_corners;
 use crate::{CellList, MeshError, MeshParts, Patch};
 
 /// Cells with shared faces.
@@ -41,10 +43,11 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
     let mut met: Vec<Met> = Vec::new();
     let mut index: HashMap<Box<[u32]>, u32> = HashMap::with_capacity(3 * cells.len());
     let mut inverted = 0;
+    let mut kinds = Vec::with_capacity(cells.len());
 
     for cell in 0..cells.len() {
         let entries = cells.entries_of(cell);
-        let kind = cells.kinds[cell];
+        let mut kind = cells.kinds[cell];
         let cell_rings = if kind == ElementKind::Polyhedron {
             polyhedron_rings(&points, cell, entries)?
         } else {
@@ -54,9 +57,18 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
                 own = kind.mirrored().iter().map(|&k| entries[k]).collect();
                 inverted += usize::from(kind != ElementKind::Wedge);
             }
+            let mut rings = rings_of(kind, &own);
+            if (1..own.len()).any(|k| own[..k].contains(&own[k])) {
+                rings = without_repeats(&rings);
+                if rings.len() < 4 {
+                    return Err(MeshError::Collapsed { cell, kind, corners: entries.to_vec() });
+                }
+                (kind, own) = standard_corners(&rings).unwrap_or((ElementKind::Polyhedron, Vec::new()));
+            }
             corners.extend_from_slice(&own);
-            rings_of(kind, &own)
+            rings
         };
+        kinds.push(kind);
         corner_ends.push(corners.len());
         for ring in cell_rings {
             let mut key = ring.clone();
@@ -93,7 +105,7 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
     let start = parts.neighbour.len();
     let count = parts.owner.len() - start;
     parts.patches.push(Patch { name: "boundary".into(), kind: "patch".into(), start, count });
-    Ok(Shared { parts, kinds: cells.kinds, corner_ends, corners, inverted })
+    Ok(Shared { parts, kinds, corner_ends, corners, inverted })
 }
 
 fn check_points(points: &[[f64; 3]], cell: usize, corners: &[u32]) -> Result<(), MeshError> {
@@ -105,19 +117,26 @@ fn check_points(points: &[[f64; 3]], cell: usize, corners: &[u32]) -> Result<(),
 
 /// The faces of a polyhedron, turned outwards if all of them point inwards.
 fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result<Vec<Vec<u32>>, MeshError> {
-    let mut rings = Vec::new();
+    let (mut rings, mut face) = (Vec::new(), 0);
     let mut rest = entries;
     while let Some((&count, tail)) = rest.split_first() {
         let (ring, tail) = tail.split_at((count as usize).min(tail.len()));
         check_points(points, cell, ring)?;
         if ring.len() < 3 {
-            return Err(MeshError::BadFace { face: rings.len(), corners: ring.to_vec() });
+            return Err(MeshError::BadCellFace { cell, face, corners: ring.to_vec() });
         }
         rings.push(ring.to_vec());
+        face += 1;
         rest = tail;
     }
     if rings.is_empty() {
         return Err(MeshError::NoFaces { cell });
+    }
+    if rings.iter().any(|ring| simple_loops(ring) != [&ring[..]]) {
+        rings = without_repeats(&rings);
+        if rings.len() < 4 {
+            return Err(MeshError::Collapsed { cell, kind: ElementKind::Polyhedron, corners: entries.to_vec() });
+        }
     }
     make_consistent(&mut rings);
     if is_inside_out(points, &rings) {
@@ -157,6 +176,23 @@ fn make_consistent(rings: &mut [Vec<u32>]) {
 
 fn edges_of(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     ring.iter().enumerate().map(|(k, &a)| [a, ring[(k + 1) % ring.len()]])
+}
+
+/// What is left of a cell's faces where corners are repeated: rings of different corners, without those that lie on each other.
+///
+/// Naming a corner twice is the usual way to write a prism or a pyramid as a hexahedron.
+fn without_repeats(rings: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut left: Vec<Vec<u32>> = Vec::with_capacity(rings.len());
+    for ring in rings.iter().flat_map(|ring| simple_loops(ring)) {
+        let mut back = ring.clone();
+        back.reverse();
+        // Two faces that have closed on each other enclose nothing.
+        match left.iter().position(|other| is_rotation(other, &back)) {
+            Some(at) => drop(left.remove(at)),
+            None => left.push(ring),
+        }
+    }
+    left
 }
 
 fn rings_of(kind: ElementKind, corners: &[u32]) -> Vec<Vec<u32>> {

@@ -114,10 +114,11 @@ impl Mesh {
     /// Builds a mesh from cells listed by their corners: common faces are found and shared.
     ///
     /// Elements of negative volume are mirrored and counted in [`Mesh::inverted_elements`]; wedges are not, since
-    /// both windings are in use.
+    /// both windings are in use. An element that repeats corners becomes what is left of it: a smaller element where that is
+    /// one, else a polyhedron.
     ///
     /// # Errors
-    /// As [`Mesh::new`]; also a face that more than two cells share.
+    /// As [`Mesh::new`]; also a face that more than two cells share, and a cell whose repeated corners leave nothing of it.
     pub fn from_cells(points: Vec<[f64; 3]>, cells: CellList) -> Result<Self, MeshError> {
         let shared = from_cells::share_faces(points, cells)?;
         check(&shared.parts)?;

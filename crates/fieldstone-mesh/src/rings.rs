@@ -1,4 +1,4 @@
-//! Rings of corners that name a corner more than once.
+//! Rings of corners.
 
 /// The loops that a ring falls into where it comes back to a corner, without those of less than three corners.
 ///
@@ -22,6 +22,11 @@ pub(crate) fn simple_loops<T: Copy + PartialEq>(ring: &[T]) -> Vec<Vec<T>> {
     loops.push(path);
     loops.retain(|corners| corners.len() >= 3);
     loops
+}
+
+/// Whether two rings run through the same corners in the same order.
+pub(crate) fn is_rotation(a: &[u32], b: &[u32]) -> bool {
+    a.len() == b.len() && (0..a.len()).any(|shift| (0..a.len()).all(|k| a[(k + shift) % a.len()] == b[k]))
 }
 
 #[cfg(test)]

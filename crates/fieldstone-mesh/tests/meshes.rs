@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_geometry::{Ball, CornerOrder, ElementKind, PROMISE, overlap, overlap_volume};
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, overlap, overlap_volume};
 use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
 use proptest::prelude::*;
 
@@ -92,12 +92,7 @@ fn standard_elements_are_recognised_from_faces_alone() {
         // Whatever corner comes first, the element named is the same one.
         let corners: Vec<[f64; 3]> =
             again.cell_corners(cell).unwrap().iter().map(|&k| again.parts().points[k as usize]).collect();
-        let element = fieldstone_geometry::Polyhedron::element(
-            again.cell_kind(cell),
-            CornerOrder::Cgns,
-            &corners,
-            fieldstone_geometry::Orientation::Refuse,
-        );
+        let element = Polyhedron::element(again.cell_kind(cell), CornerOrder::Cgns, &corners, Orientation::Refuse);
         assert!((element.unwrap().volume() - mesh.cell_volumes()[cell]).abs() < 1e-15);
     }
 }
@@ -360,7 +355,7 @@ fn points_at_one_place_are_one_corner_however_large_the_ball() {
 
 /// Two unit cubes side by side, the first one's common face as the rings given.
 fn two_cubes(common: &[&[u32]]) -> Mesh {
-    let points = (0..12).map(|k| [k / 4, k & 1, k / 2 & 1].map(f64::from)).collect();
+    let points = (0..12).map(|k| [k / 4, k & 1, (k / 2) & 1].map(f64::from)).collect();
     // Corners 4 to 7 are the common ones.
     let side = |a: u32, b: u32| {
         vec![
@@ -391,4 +386,62 @@ fn cells_with_several_common_faces_meet_once_with_the_sum_of_their_areas() {
             assert_eq!(met, [(1 - cell, 1.0)]);
         }
     }
+}
+
+#[test]
+fn elements_that_repeat_corners_are_what_is_left_of_them() {
+    let points: Vec<[f64; 3]> = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [0.0, 1.0, 1.0],
+    ];
+    let one = |corners: [u32; 8]| {
+        let mut cells = CellList::new();
+        cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &corners).unwrap();
+        Mesh::from_cells(points.clone(), cells)
+    };
+    // Either winding, whichever corners are the same.
+    for (corners, kind, volume) in [
+        ([0, 1, 2, 2, 4, 5, 6, 6], ElementKind::Wedge, 0.5),
+        ([0, 1, 2, 0, 4, 5, 6, 4], ElementKind::Wedge, 0.5),
+        ([4, 5, 6, 4, 0, 1, 2, 0], ElementKind::Wedge, 0.5),
+        ([0, 1, 2, 3, 6, 6, 6, 6], ElementKind::Pyramid, 1.0 / 3.0),
+        ([0, 1, 2, 2, 5, 5, 5, 5], ElementKind::Tetrahedron, 1.0 / 6.0),
+        // One face is bent: half way between the cube without one tetrahedron and without two.
+        ([0, 1, 2, 3, 4, 4, 6, 7], ElementKind::Polyhedron, 0.75),
+    ] {
+        let mesh = one(corners).unwrap();
+        assert_eq!(mesh.cell_kind(0), kind, "{corners:?}");
+        assert!((mesh.cell_volumes()[0] - volume).abs() < 1e-15, "{corners:?}: {}", mesh.cell_volumes()[0]);
+        let (ball, mut found) = (Ball::new([0.5; 3], 5.0).unwrap(), Vec::new());
+        mesh.overlap_ball(&ball, &mut mesh.scratch(), &mut found);
+        assert_eq!(found, [(0, mesh.cell_volumes()[0])]);
+        if let Some(corners) = mesh.cell_corners(0) {
+            let corners: Vec<_> = corners.iter().map(|&k| points[k as usize]).collect();
+            let element = Polyhedron::element(kind, CornerOrder::Cgns, &corners, Orientation::Refuse).unwrap();
+            assert!((element.volume() - volume).abs() < 1e-15);
+        }
+    }
+    for flat in [[0, 1, 2, 3, 0, 1, 2, 3], [0, 1, 1, 0, 4, 5, 5, 4], [7; 8]] {
+        let error = one(flat).unwrap_err();
+        assert!(matches!(&error, MeshError::Collapsed { cell: 0, kind: ElementKind::Hexahedron, .. }), "{error}");
+    }
+
+    // The face that the wedge keeps is shared with its neighbour; a polyhedron may repeat corners, too.
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &[0, 1, 2, 2, 4, 5, 6, 6]).unwrap();
+    cells.push_polyhedron([&[0, 2, 2, 3][..], &[4, 7, 6], &[0, 4, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0], &[0, 2, 0, 2]]);
+    let mesh = Mesh::from_cells(points.clone(), cells).unwrap();
+    assert_eq!((mesh.parts().neighbour.len(), mesh.cell_volumes()), (1, &[0.5, 0.5][..]));
+
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 1, 2, 5]).unwrap();
+    cells.push_polyhedron([&[0, 1, 2][..], &[0, 1]]);
+    let error = Mesh::from_cells(points.clone(), cells).unwrap_err();
+    assert_eq!(error, MeshError::BadCellFace { cell: 1, face: 1, corners: vec![0, 1] });
 }
