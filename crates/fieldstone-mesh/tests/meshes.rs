@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, overlap, overlap_volume};
-use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
+use fieldstone_mesh::{CellList, Cells, Grid, Mesh, MeshError, MeshParts};
 use proptest::prelude::*;
 
 /// n³ hexahedra on the unit cube, their inner points moved by up to `jitter` cells.
@@ -444,4 +444,21 @@ fn elements_that_repeat_corners_are_what_is_left_of_them() {
     cells.push_polyhedron([&[0, 1, 2][..], &[0, 1]]);
     let error = Mesh::from_cells(points.clone(), cells).unwrap_err();
     assert_eq!(error, MeshError::BadCellFace { cell: 1, face: 1, corners: vec![0, 1] });
+}
+
+#[test]
+fn a_point_on_a_common_face_is_in_the_first_cell_of_a_mesh_and_in_the_upper_one_of_a_grid() {
+    let (mesh, grid) = (hexahedra(2, 0.0, 0), Grid::new([0.0; 3], [1.0; 3], [2; 3]).unwrap());
+    for (point, first, upper) in [
+        ([0.5, 0.2, 0.3], 0, 1),
+        ([0.7, 0.5, 0.3], 1, 3),
+        ([0.5, 0.5, 0.3], 0, 3),
+        ([0.5; 3], 0, 7),
+        // At the outer end both have one cell only.
+        ([1.0, 0.2, 0.3], 1, 1),
+        ([1.0; 3], 7, 7),
+    ] {
+        assert_eq!(mesh.locate(point, &mut mesh.scratch()), Some(first), "{point:?}");
+        assert_eq!(grid.locate(point, &mut grid.scratch()), Some(upper), "{point:?}");
+    }
 }
