@@ -149,27 +149,41 @@ fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result
 ///
 /// Some writers list the faces of a polyhedron in any winding; readers of VTK files must not rely on it.
 fn make_consistent(rings: &mut [Vec<u32>]) {
-    let mut done = vec![false; rings.len()];
-    let mut waiting = Vec::new();
-    if let Some(first) = done.first_mut() {
-        *first = true;
-        waiting.push(0);
+    // Sorted, so that the faces at an edge are side by side: a cell may have thousands.
+    let mut edges: Vec<([u32; 2], usize, bool)> = Vec::new();
+    for (face, ring) in rings.iter().enumerate() {
+        edges.extend(edges_of(ring).map(|[a, b]| ([a.min(b), a.max(b)], face, a < b)));
     }
-    while let Some(at) = waiting.pop() {
-        let edges: Vec<[u32; 2]> = edges_of(&rings[at]).collect();
-        for other in 0..rings.len() {
-            if done[other] {
-                continue;
+    edges.sort_unstable();
+    // Of each face, whether it is to be turned, once that is known.
+    let mut turned: Vec<Option<bool>> = vec![None; rings.len()];
+    let mut waiting = Vec::new();
+    if let Some(first) = turned.first_mut() {
+        *first = Some(false);
+        waiting.push((0, false));
+    }
+    let mut met: Vec<(usize, bool)> = Vec::new();
+    while let Some((at, turned_at)) = waiting.pop() {
+        met.clear();
+        for [a, b] in edges_of(&rings[at]) {
+            let edge = [a.min(b), a.max(b)];
+            let start = edges.partition_point(|e| e.0 < edge);
+            for &(_, other, forward) in edges[start..].iter().take_while(|e| e.0 == edge) {
+                if turned[other].is_none() {
+                    met.push((other, forward == ((a < b) != turned_at)));
+                }
             }
-            let same = edges_of(&rings[other]).any(|e| edges.contains(&e));
-            let opposite = edges_of(&rings[other]).any(|[a, b]| edges.contains(&[b, a]));
-            if same && !opposite {
-                rings[other].reverse();
-            }
-            if same || opposite {
-                done[other] = true;
-                waiting.push(other);
-            }
+        }
+        met.sort_unstable();
+        for faces in met.chunk_by(|a, b| a.0 == b.0) {
+            let (other, turn) = (faces[0].0, faces.iter().all(|&(_, same)| same));
+            turned[other] = Some(turn);
+            waiting.push((other, turn));
+        }
+    }
+    for (ring, turn) in rings.iter_mut().zip(turned) {
+        if turn == Some(true) {
+            ring.reverse();
         }
     }
 }

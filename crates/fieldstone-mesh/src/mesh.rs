@@ -254,7 +254,11 @@ impl Mesh {
     }
 
     fn box_around(&self, cell: usize) -> [DVec3; 2] {
-        self.cell_vertices(cell).iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &k| {
+        self.box_of(self.cell_vertices(cell))
+    }
+
+    fn box_of(&self, vertices: &[u32]) -> [DVec3; 2] {
+        vertices.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &k| {
             let v = self.surface.vertices[k as usize];
             [low.min(v), high.max(v)]
         })
@@ -264,11 +268,23 @@ impl Mesh {
         let [low, high] = self.bounds[cell];
         let limit = tolerance * (high - low).max_element();
         let outward = self.orientation(cell);
+        // Of a cell with thousands of vertices most are far behind a face: they are passed over by the box.
+        let boxes: Vec<(DVec3, DVec3, &[u32])> = self
+            .cell_vertices(cell)
+            .chunks(32)
+            .map(|part| {
+                let [low, high] = self.box_of(part);
+                (0.5 * (low + high), 0.5 * (high - low), part)
+            })
+            .collect();
         self.signed_faces(cell).all(|(face, sign)| {
             self.surface.pieces(face).all(|piece| {
-                self.cell_vertices(cell)
-                    .iter()
-                    .all(|&k| outward * sign * self.surface.height(piece, self.surface.vertices[k as usize]) <= limit)
+                let height = |point| outward * sign * self.surface.height(piece, point);
+                let normal = self.surface.normal(piece).abs();
+                boxes.iter().all(|&(middle, half, part)| {
+                    height(middle) + normal.dot(half) <= 0.5 * limit
+                        || part.iter().all(|&k| height(self.surface.vertices[k as usize]) <= limit)
+                })
             })
         })
     }

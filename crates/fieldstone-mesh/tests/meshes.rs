@@ -462,3 +462,47 @@ fn a_point_on_a_common_face_is_in_the_first_cell_of_a_mesh_and_in_the_upper_one_
         assert_eq!(grid.locate(point, &mut grid.scratch()), Some(upper), "{point:?}");
     }
 }
+
+#[test]
+fn a_cell_of_thousands_of_faces_in_any_winding_is_one_convex_cell() {
+    // A ball of n × 2n quadrilaterals, wound at random.
+    let sphere = |n: usize| {
+        let mut points = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+        let at = |i: usize, j: usize| match i {
+            0 => 0,
+            i if i == n => 1,
+            i => (2 + (i - 1) * 2 * n + j % (2 * n)) as u32,
+        };
+        for i in 1..n {
+            let (s, c) = (std::f64::consts::PI * i as f64 / n as f64).sin_cos();
+            points.extend((0..2 * n).map(|j| {
+                let (y, x) = (std::f64::consts::PI * j as f64 / n as f64).sin_cos();
+                [s * x, s * y, c]
+            }));
+        }
+        let mut faces = Vec::new();
+        for i in 0..n {
+            for j in 0..2 * n {
+                let mut ring = vec![at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                ring.dedup();
+                ring.truncate(if ring[0] == ring[ring.len() - 1] { ring.len() - 1 } else { ring.len() });
+                if (i * 7 + j * j) % 3 == 0 {
+                    ring.reverse();
+                }
+                faces.push(ring);
+            }
+        }
+        let mut cells = CellList::new();
+        cells.push_polyhedron(faces.iter().map(Vec::as_slice));
+        let start = std::time::Instant::now();
+        let mesh = Mesh::from_cells(points, cells).unwrap();
+        let built = start.elapsed().as_secs_f64();
+        let alone = mesh.polyhedron(0).unwrap();
+        let both = start.elapsed().as_secs_f64();
+        println!("{} faces: mesh {built:.3} s, polyhedron {:.3} s", 2 * n * n, both - built);
+        assert!(mesh.is_convex(0) && alone.is_convex() && mesh.inverted_cells().is_empty());
+        assert!((alone.volume() / mesh.cell_volumes()[0] - 1.0).abs() < 1e-13);
+        assert!((mesh.cell_volumes()[0] - 4.0 / 3.0 * std::f64::consts::PI).abs() < 30.0 / (n * n) as f64);
+    };
+    [8, 64, 128].into_iter().for_each(sphere);
+}
