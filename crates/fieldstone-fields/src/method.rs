@@ -20,7 +20,8 @@ pub enum Method {
     /// Exact, by caps, wedges and cones (`decomposition`; `strobl2016`, Algorithm 1). Cells that are not planar
     /// tetrahedra, wedges or hexahedra are split into tetrahedra.
     Decomposition,
-    /// All of the ball in the cell that holds its centre (`centre`).
+    /// All of the ball in the cell that holds its centre (`centre`); on a common face that is the upper cell of a grid and the
+    /// first one of a mesh.
     Centre,
     /// As `centre`, then each cell's solid fraction averaged with its face neighbours' (`centre-smoothed`;
     /// `lim2006`).

@@ -73,6 +73,30 @@ fn every_method_but_the_smoothed_one_places_all_of_a_volume_that_is_inside() {
 }
 
 #[test]
+fn neighbours_count_once_for_the_smoothed_method_however_their_common_face_is_split() {
+    let points: Vec<[f64; 3]> = (0..12).map(|k| [k / 4, k & 1, (k / 2) & 1].map(f64::from)).collect();
+    let ball = Particles::new(vec![[0.5; 3]]).unwrap().with_uniform_radius(0.3).unwrap();
+    for common in [&[&[4, 5, 7, 6][..]][..], &[&[4, 5, 7], &[4, 7, 6]]] {
+        let mut cells = CellList::new();
+        for (a, b, end) in [(0, 4, [0, 2, 3, 1]), (4, 8, [8, 9, 11, 10])] {
+            let sides = [
+                [a, a + 1, b + 1, b],
+                [a + 2, b + 2, b + 3, a + 3],
+                [a, b, b + 2, a + 2],
+                [a + 1, a + 3, b + 3, b + 1],
+                end,
+            ];
+            cells.push_polyhedron(sides.iter().map(|ring| ring.as_slice()).chain(common.iter().copied()));
+        }
+        let mesh = Mesh::from_cells(points.clone(), cells).unwrap();
+        let options = SolidFractionOptions { method: Method::CentreSmoothed, ..Default::default() };
+        let fraction = solid_fraction(&mesh, &ball, &options).unwrap().solid_fraction;
+        let half = 0.5 * 4.0 / 3.0 * std::f64::consts::PI * 0.027;
+        assert!(fraction.iter().all(|f| (f - half).abs() < 1e-15), "{fraction:?}");
+    }
+}
+
+#[test]
 fn the_two_exact_methods_agree_cell_by_cell_on_warped_cells() {
     let mesh = warped(4);
     let particles = cloud(60, 0.11, 9);

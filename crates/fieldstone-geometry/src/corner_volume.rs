@@ -13,7 +13,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 ///
 /// $$ 3V = \frac{\pi}{2} + \sum_f \left( d_f A_f + \Omega_f \right) $$
 ///
-/// Coordinates of 1 and above do not cut; ±∞ is allowed. NaN gives NaN. Accuracy: a few 1e-16 absolute.
+/// Coordinates of 1 and above do not cut; ±∞ is allowed. NaN gives NaN. Accuracy: 4e-15 absolute, and below 3e-16 at nine
+/// of ten corners; of corners on the sphere, near axes and anywhere the largest error seen is 3.1e-15.
 /// Cost: up to 12 `atan2` where all three planes meet inside the ball, none where only one of them cuts.
 ///
 /// ```

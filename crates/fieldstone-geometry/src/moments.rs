@@ -214,3 +214,75 @@ fn face_moments<R: Real>(s2: R, area: R, normal: Vector<R>, ring: &[Vector<R>]) 
     }
     (k, in_plane)
 }
+
+#[cfg(test)]
+mod tests {
+    use fieldstone_testing::{Random, pairs};
+
+    use super::*;
+    use crate::{CornerOrder, ElementKind, Orientation};
+
+    /// Pairs tried by default; `FIELDSTONE_PAIRS` asks for more.
+    fn count() -> u64 {
+        std::env::var("FIELDSTONE_PAIRS").ok().and_then(|n| n.parse().ok()).unwrap_or(4_000)
+    }
+
+    /// Largest difference of components, over what it may be.
+    fn ratio(found: &[f64], exact: &[f64], allowed: f64) -> f64 {
+        found.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / allowed.max(f64::MIN_POSITIVE)
+    }
+
+    #[test]
+    fn moments_of_any_pair_are_within_their_bounds_and_their_promise() {
+        let (mut seen, mut worst, mut rough) = ([0; 3], [0.0f64; 3], [0.0f64; 3]);
+        for seed in 0..count() {
+            let random = &mut Random(seed);
+            let (kind, corners) = pairs::element(random);
+            let kind = ElementKind::STANDARD[kind];
+            let Ok(element) = Polyhedron::element(kind, CornerOrder::Cgns, &corners, Orientation::Fix) else {
+                continue;
+            };
+            let (centre, radius) = pairs::ball(&corners, element.bounds(), random);
+            let Ok(ball) = Ball::new(centre, radius) else { continue };
+            let found = overlap_moments(&ball, &element);
+            let exact = evaluate::<Tracked<Wide>>(&ball, &element, Precision::Wide);
+            // What f64 alone would give, so that more digits are seen to matter.
+            let plain = evaluate::<Tracked<f64>>(&ball, &element, Precision::F64);
+            seen[found.precision as usize] += 1;
+
+            let volume = ball.volume().min(element.volume());
+            let reach = radius.min(corners.iter().map(|p| distance(*p, centre)).fold(0.0, f64::max));
+            let (low, high) = element.bounds();
+            let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+            // Beyond that rounding alone makes an element, and even 256 bits do not keep the promise for all.
+            let promised = element.volume() > 1e-20 * size.powi(3);
+            let orders = [
+                (&[found.volume][..], &[exact.volume][..], found.volume_error, exact.volume_error),
+                (&found.first, &exact.first, found.first_error, exact.first_error),
+                (&found.second, &exact.second, found.second_error, exact.second_error),
+            ];
+            for (order, (value, truth, bound, uncertain)) in orders.into_iter().enumerate() {
+                let within = ratio(value, truth, bound + uncertain);
+                assert!(within <= 1.0, "seed {seed}, order {order}: {within} of its bound, {found:?} {exact:?}");
+                let promise = PROMISE * volume * reach.powi(order as i32);
+                let kept = ratio(value, truth, promise + uncertain);
+                assert!(
+                    !promised || kept <= 1.0 + 1e-9,
+                    "seed {seed}, order {order}: {kept} of the promise, {found:?}"
+                );
+                if promised {
+                    worst[order] = worst[order].max(kept);
+                }
+                let plain = [&[plain.volume][..], &plain.first, &plain.second][order].to_vec();
+                rough[order] = rough[order].max(ratio(&plain, truth, promise + uncertain));
+            }
+        }
+        let [worst, plain] = [worst, rough].map(|errors| errors.map(|error| format!("{error:.1e}")));
+        println!("{seen:?} in f64, 106 and 256 bits; largest error / promise {worst:?}, in f64 alone {plain:?}");
+        assert!(seen[0] > 0 && seen[1] > 0 && rough.iter().all(|&error| error > 1.0), "{seen:?} {rough:?}");
+    }
+
+    fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+        (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+    }
+}

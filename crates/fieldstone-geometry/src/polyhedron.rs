@@ -1,5 +1,7 @@
 //! Closed polyhedra, checked when they are built.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 use thiserror::Error;
 
@@ -246,9 +248,9 @@ impl Polyhedron {
             if at.iter().any(|x| !x.is_finite()) {
                 return Err(ElementError::NotFinite { corner, at });
             }
-            if let Some(first) = corners[..corner].iter().position(|&other| other == at) {
-                return Err(ElementError::CoincidentCorners { first, second: corner, at });
-            }
+        }
+        if let Some([first, second]) = coincident(corners) {
+            return Err(ElementError::CoincidentCorners { first, second, at: corners[second] });
         }
         let (origin, positions) = localised(corners);
         let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
@@ -366,9 +368,21 @@ impl Polyhedron {
     }
 
     fn is_convex_within(&self, tolerance: f64) -> bool {
+        // Of thousands of vertices most are far behind a face: they are passed over by the box.
+        let boxes: Vec<(DVec3, DVec3, &[DVec3])> = self
+            .vertices
+            .chunks(32)
+            .map(|part| {
+                let (low, high) = part.iter().fold((part[0], part[0]), |(a, b), &v| (a.min(v), b.max(v)));
+                (0.5 * (low + high), 0.5 * (high - low), part)
+            })
+            .collect();
         self.rings().all(|(piece, corners)| {
             let origin = self.vertices[corners[0] as usize];
-            self.vertices.iter().all(|&v| piece.normal.dot(v - origin) <= tolerance)
+            boxes.iter().all(|&(middle, half, part)| {
+                piece.normal.dot(middle - origin) + piece.normal.abs().dot(half) <= 0.5 * tolerance
+                    || part.iter().all(|&v| piece.normal.dot(v - origin) <= tolerance)
+            })
         })
     }
 
@@ -445,6 +459,18 @@ impl Polyhedron {
     pub fn has_warped_faces(&self) -> bool {
         self.vertices.len() > self.corner_count
     }
+}
+
+/// The first corner that is where an earlier one is, after that one; by sorting, since a polyhedron may have thousands.
+fn coincident(corners: &[[f64; 3]]) -> Option<[usize; 2]> {
+    let compare = |a: &usize, b: &usize| {
+        let mut axes = corners[*a].iter().zip(&corners[*b]).map(|(x, y)| x.partial_cmp(y).unwrap_or(Ordering::Equal));
+        axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal).then(a.cmp(b))
+    };
+    let mut order: Vec<usize> = (0..corners.len()).collect();
+    order.sort_unstable_by(compare);
+    let pairs = order.windows(2).filter(|pair| corners[pair[0]] == corners[pair[1]]);
+    pairs.map(|pair| [pair[0], pair[1]]).min_by_key(|pair| pair[1])
 }
 
 /// Corners relative to the first one along each axis where this loses nothing, and what has been taken away.

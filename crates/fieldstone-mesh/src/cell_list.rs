@@ -43,7 +43,8 @@ impl CellList {
         self.kinds.is_empty()
     }
 
-    /// Appends an element with a fixed number of corners. Either winding will do: see [`crate::Mesh::from_cells`].
+    /// Appends an element with a fixed number of corners. Either winding will do, and corners may be repeated, as in a prism
+    /// that is written as a hexahedron: see [`crate::Mesh::from_cells`].
     ///
     /// # Errors
     /// [`MeshError::CornerCount`] for a wrong number of corners, and for [`ElementKind::Polyhedron`].

@@ -67,7 +67,12 @@ pub trait Cells: Sync {
     /// Appends the volume of the axis-parallel box in each cell that it overlaps.
     fn overlap_cuboid(&self, low: [f64; 3], high: [f64; 3], scratch: &mut Self::Scratch, out: &mut Vec<(u32, f64)>);
 
-    /// The cell that holds `point`; the first of them on a common face, edge or corner; `None` outside.
+    /// The cell that holds `point`; `None` outside.
+    ///
+    /// On a common face, edge or corner it is one of the cells there, always the same. Grids give the upper one along each
+    /// axis, as intervals that are closed below do and as [`Cells::clip_segment`] does, and at the upper end of all the last
+    /// one. Meshes know no upper cell: they give the one that takes most of the directions around the point, and of equal ones
+    /// the first.
     fn locate(&self, point: [f64; 3], scratch: &mut Self::Scratch) -> Option<u32>;
 
     /// Calls `visit` with each cell that shares a face with `cell`, and with the face's area over the distance of

@@ -53,6 +53,30 @@ pub enum MeshError {
         /// Its corners.
         corners: Vec<u32>,
     },
+    /// A face of a cell listed by its faces has less than three corners.
+    #[error(
+        "face {face} of cell {cell} has corners {corners:?}; a face needs at least three: leave it out, or list all of its corners"
+    )]
+    BadCellFace {
+        /// Index of the cell, from 0.
+        cell: usize,
+        /// Index of the face among the cell's, from 0.
+        face: usize,
+        /// Its corners.
+        corners: Vec<u32>,
+    },
+    /// The corners that an element repeats leave no body of it.
+    #[error(
+        "cell {cell} is a {kind} of corners {corners:?}, which enclose nothing since some are the same; leave the cell out, or name corners that differ"
+    )]
+    Collapsed {
+        /// Index of the cell, from 0.
+        cell: usize,
+        /// Its kind.
+        kind: ElementKind,
+        /// Its corners in CGNS order; of a polyhedron each face's number of corners and its corners.
+        corners: Vec<u32>,
+    },
     /// Lists that belong together have different lengths.
     #[error("there are {found} {what}, but {expected} are needed")]
     Count {
@@ -145,6 +169,21 @@ pub enum MeshError {
         /// Upper bound.
         high: f64,
         /// Cells.
+        cells: usize,
+    },
+    /// Planes of a grid coincide: numbers of this size have too few digits for its cells.
+    #[error(
+        "planes {plane} and {} of the grid along {axis} fall together at {at}: 64-bit numbers of this size do not resolve {cells} cells; take fewer cells, or coordinates nearer to the origin",
+        plane + 1
+    )]
+    GridPlanes {
+        /// Axis name.
+        axis: char,
+        /// The lower of the two planes, from 0.
+        plane: usize,
+        /// Where it is.
+        at: f64,
+        /// Cells along the axis.
         cells: usize,
     },
     /// A set of coordinates that no grid resolves.

@@ -5,6 +5,10 @@ use std::collections::HashMap;
 use fieldstone_geometry::ElementKind;
 use glam::DVec3;
 
+use crate::alone::stand_alone;
+use crate::mesh::{CANCELLED, cross_terms};
+use crate::rings::{is_rotation, simple_loops};
+use crate::shape::standard_corners;
 use crate::{CellList, MeshError, MeshParts, Patch};
 
 /// Cells with shared faces.
@@ -39,22 +43,32 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
     let mut met: Vec<Met> = Vec::new();
     let mut index: HashMap<Box<[u32]>, u32> = HashMap::with_capacity(3 * cells.len());
     let mut inverted = 0;
+    let mut kinds = Vec::with_capacity(cells.len());
 
     for cell in 0..cells.len() {
         let entries = cells.entries_of(cell);
-        let kind = cells.kinds[cell];
+        let mut kind = cells.kinds[cell];
         let cell_rings = if kind == ElementKind::Polyhedron {
             polyhedron_rings(&points, cell, entries)?
         } else {
             check_points(&points, cell, entries)?;
             let mut own = entries.to_vec();
-            if signed_volume(&points, kind, &own) < 0.0 {
+            if is_inside_out(&points, &rings_of(kind, &own)) {
                 own = kind.mirrored().iter().map(|&k| entries[k]).collect();
                 inverted += usize::from(kind != ElementKind::Wedge);
             }
+            let mut rings = rings_of(kind, &own);
+            if (1..own.len()).any(|k| own[..k].contains(&own[k])) {
+                rings = without_repeats(&rings);
+                if rings.len() < 4 {
+                    return Err(MeshError::Collapsed { cell, kind, corners: entries.to_vec() });
+                }
+                (kind, own) = standard_corners(&rings).unwrap_or((ElementKind::Polyhedron, Vec::new()));
+            }
             corners.extend_from_slice(&own);
-            kind.faces().iter().map(|face| face.iter().map(|&k| own[k]).collect()).collect()
+            rings
         };
+        kinds.push(kind);
         corner_ends.push(corners.len());
         for ring in cell_rings {
             let mut key = ring.clone();
@@ -91,7 +105,7 @@ pub(crate) fn share_faces(points: Vec<[f64; 3]>, cells: CellList) -> Result<Shar
     let start = parts.neighbour.len();
     let count = parts.owner.len() - start;
     parts.patches.push(Patch { name: "boundary".into(), kind: "patch".into(), start, count });
-    Ok(Shared { parts, kinds: cells.kinds, corner_ends, corners, inverted })
+    Ok(Shared { parts, kinds, corner_ends, corners, inverted })
 }
 
 fn check_points(points: &[[f64; 3]], cell: usize, corners: &[u32]) -> Result<(), MeshError> {
@@ -103,23 +117,29 @@ fn check_points(points: &[[f64; 3]], cell: usize, corners: &[u32]) -> Result<(),
 
 /// The faces of a polyhedron, turned outwards if all of them point inwards.
 fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result<Vec<Vec<u32>>, MeshError> {
-    let mut rings = Vec::new();
+    let (mut rings, mut face) = (Vec::new(), 0);
     let mut rest = entries;
     while let Some((&count, tail)) = rest.split_first() {
         let (ring, tail) = tail.split_at((count as usize).min(tail.len()));
         check_points(points, cell, ring)?;
         if ring.len() < 3 {
-            return Err(MeshError::BadFace { face: rings.len(), corners: ring.to_vec() });
+            return Err(MeshError::BadCellFace { cell, face, corners: ring.to_vec() });
         }
         rings.push(ring.to_vec());
+        face += 1;
         rest = tail;
     }
     if rings.is_empty() {
         return Err(MeshError::NoFaces { cell });
     }
+    if rings.iter().any(|ring| simple_loops(ring) != [&ring[..]]) {
+        rings = without_repeats(&rings);
+        if rings.len() < 4 {
+            return Err(MeshError::Collapsed { cell, kind: ElementKind::Polyhedron, corners: entries.to_vec() });
+        }
+    }
     make_consistent(&mut rings);
-    let volume: f64 = rings.iter().map(|ring| six_volumes(points, rings[0][0], ring)).sum();
-    if volume < 0.0 {
+    if is_inside_out(points, &rings) {
         rings.iter_mut().for_each(|ring| ring.reverse());
     }
     Ok(rings)
@@ -129,27 +149,41 @@ fn polyhedron_rings(points: &[[f64; 3]], cell: usize, entries: &[u32]) -> Result
 ///
 /// Some writers list the faces of a polyhedron in any winding; readers of VTK files must not rely on it.
 fn make_consistent(rings: &mut [Vec<u32>]) {
-    let mut done = vec![false; rings.len()];
-    let mut waiting = Vec::new();
-    if let Some(first) = done.first_mut() {
-        *first = true;
-        waiting.push(0);
+    // Sorted, so that the faces at an edge are side by side: a cell may have thousands.
+    let mut edges: Vec<([u32; 2], usize, bool)> = Vec::new();
+    for (face, ring) in rings.iter().enumerate() {
+        edges.extend(edges_of(ring).map(|[a, b]| ([a.min(b), a.max(b)], face, a < b)));
     }
-    while let Some(at) = waiting.pop() {
-        let edges: Vec<[u32; 2]> = edges_of(&rings[at]).collect();
-        for other in 0..rings.len() {
-            if done[other] {
-                continue;
+    edges.sort_unstable();
+    // Of each face, whether it is to be turned, once that is known.
+    let mut turned: Vec<Option<bool>> = vec![None; rings.len()];
+    let mut waiting = Vec::new();
+    if let Some(first) = turned.first_mut() {
+        *first = Some(false);
+        waiting.push((0, false));
+    }
+    let mut met: Vec<(usize, bool)> = Vec::new();
+    while let Some((at, turned_at)) = waiting.pop() {
+        met.clear();
+        for [a, b] in edges_of(&rings[at]) {
+            let edge = [a.min(b), a.max(b)];
+            let start = edges.partition_point(|e| e.0 < edge);
+            for &(_, other, forward) in edges[start..].iter().take_while(|e| e.0 == edge) {
+                if turned[other].is_none() {
+                    met.push((other, forward == ((a < b) != turned_at)));
+                }
             }
-            let same = edges_of(&rings[other]).any(|e| edges.contains(&e));
-            let opposite = edges_of(&rings[other]).any(|[a, b]| edges.contains(&[b, a]));
-            if same && !opposite {
-                rings[other].reverse();
-            }
-            if same || opposite {
-                done[other] = true;
-                waiting.push(other);
-            }
+        }
+        met.sort_unstable();
+        for faces in met.chunk_by(|a, b| a.0 == b.0) {
+            let (other, turn) = (faces[0].0, faces.iter().all(|&(_, same)| same));
+            turned[other] = Some(turn);
+            waiting.push((other, turn));
+        }
+    }
+    for (ring, turn) in rings.iter_mut().zip(turned) {
+        if turn == Some(true) {
+            ring.reverse();
         }
     }
 }
@@ -158,18 +192,42 @@ fn edges_of(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     ring.iter().enumerate().map(|(k, &a)| [a, ring[(k + 1) % ring.len()]])
 }
 
-fn six_volumes(points: &[[f64; 3]], origin: u32, ring: &[u32]) -> f64 {
-    let at = |k: u32| DVec3::from(points[k as usize]) - DVec3::from(points[origin as usize]);
-    ring[1..].windows(2).map(|p| at(ring[0]).dot(at(p[0]).cross(at(p[1])))).sum()
+/// What is left of a cell's faces where corners are repeated: rings of different corners, without those that lie on each other.
+///
+/// Naming a corner twice is the usual way to write a prism or a pyramid as a hexahedron.
+fn without_repeats(rings: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut left: Vec<Vec<u32>> = Vec::with_capacity(rings.len());
+    for ring in rings.iter().flat_map(|ring| simple_loops(ring)) {
+        let mut back = ring.clone();
+        back.reverse();
+        // Two faces that have closed on each other enclose nothing.
+        match left.iter().position(|other| is_rotation(other, &back)) {
+            Some(at) => drop(left.remove(at)),
+            None => left.push(ring),
+        }
+    }
+    left
 }
 
-fn signed_volume(points: &[[f64; 3]], kind: ElementKind, corners: &[u32]) -> f64 {
-    kind.faces()
-        .iter()
-        .map(|face| {
-            let ring: Vec<u32> = face.iter().map(|&k| corners[k]).collect();
-            six_volumes(points, corners[0], &ring)
-        })
-        .sum::<f64>()
-        / 6.0
+fn rings_of(kind: ElementKind, corners: &[u32]) -> Vec<Vec<u32>> {
+    kind.faces().iter().map(|face| face.iter().map(|&k| corners[k]).collect()).collect()
+}
+
+/// Whether faces enclose a negative volume; of a flat cell rounded terms do not tell.
+fn is_inside_out(points: &[[f64; 3]], rings: &[Vec<u32>]) -> bool {
+    let Some(&origin) = rings.first().and_then(|ring| ring.first()) else { return false };
+    let at = |k: u32| DVec3::from(points[k as usize]) - DVec3::from(points[origin as usize]);
+    let (mut six_volumes, mut terms) = (0.0, 0.0);
+    for ring in rings {
+        let first = at(ring[0]);
+        for pair in ring[1..].windows(2) {
+            let (a, b) = (at(pair[0]), at(pair[1]));
+            six_volumes += first.dot(a.cross(b));
+            terms += first.abs().dot(cross_terms(a, b));
+        }
+    }
+    if six_volumes.abs() > CANCELLED * terms {
+        return six_volumes < 0.0;
+    }
+    stand_alone(rings.iter().cloned(), |label| points[label as usize]).is_ok_and(|alone| alone.was_inverted())
 }

@@ -6,6 +6,7 @@
 //! Cartesian grid with the closed form for boxes, [`CylinderGrid`] shells, rings and sectors around an axis. All
 //! implement [`Cells`]; meshes and Cartesian grids also [`Faces`].
 
+mod alone;
 mod ball_overlap;
 mod cell_list;
 mod cell_tree;
@@ -26,6 +27,7 @@ mod locate;
 mod mesh;
 mod mesh_cells;
 mod mesh_faces;
+mod rings;
 mod shape;
 mod surface;
 

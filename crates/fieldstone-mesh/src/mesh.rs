@@ -1,12 +1,15 @@
 //! The polyhedral mesh: points, faces, owner and neighbour.
 
-use fieldstone_geometry::{ElementError, ElementKind, Orientation, Polyhedron};
-use glam::DVec3;
+use fieldstone_geometry::ElementKind;
+use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use crate::cell_tree::CellTree;
 use crate::surface::Surface;
 use crate::{CellList, MeshError, from_cells, shape};
+
+/// A volume of less than this of its terms is computed in more digits than `f64` has.
+pub(crate) const CANCELLED: f64 = 1e-3;
 
 /// A named, contiguous range of boundary faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -111,10 +114,11 @@ impl Mesh {
     /// Builds a mesh from cells listed by their corners: common faces are found and shared.
     ///
     /// Elements of negative volume are mirrored and counted in [`Mesh::inverted_elements`]; wedges are not, since
-    /// both windings are in use.
+    /// both windings are in use. An element that repeats corners becomes what is left of it: a smaller element where that is
+    /// one, else a polyhedron.
     ///
     /// # Errors
-    /// As [`Mesh::new`]; also a face that more than two cells share.
+    /// As [`Mesh::new`]; also a face that more than two cells share, and a cell whose repeated corners leave nothing of it.
     pub fn from_cells(points: Vec<[f64; 3]>, cells: CellList) -> Result<Self, MeshError> {
         let shared = from_cells::share_faces(points, cells)?;
         check(&shared.parts)?;
@@ -182,7 +186,8 @@ impl Mesh {
             .collect();
         for (cell, &(volume, centre, [low, high])) in measured.iter().enumerate() {
             let size = (high - low).max_element();
-            if volume.abs() <= f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
+            // Above what a polyhedron of its own is refused for, whatever the two roundings: every cell that is taken can stand alone.
+            if volume.abs() <= 8.0 * f64::EPSILON * f64::EPSILON * size.powi(3) || !volume.is_finite() {
                 return Err(MeshError::NoVolume { cell, volume });
             }
             if volume < 0.0 {
@@ -198,10 +203,12 @@ impl Mesh {
     }
 
     /// Signed volume and centroid, with faces fanned around their centroids as OpenFOAM does.
+    ///
+    /// The volume is as exact as the promise needs it, in flat cells too: it is what a ball around the cell has in common with it.
     fn measure(&self, cell: usize) -> (f64, DVec3) {
         let [low, high] = self.box_around(cell);
         let origin = 0.5 * (low + high);
-        let (mut three_volumes, mut weighted) = (0.0, DVec3::ZERO);
+        let (mut three_volumes, mut weighted, mut terms) = (0.0, DVec3::ZERO, 0.0);
         for (face, sign) in self.signed_faces(cell) {
             // All triangles of a fan share the centroid, so it is the one point of a warped face to measure by. Of a planar
             // one any point will do, and a corner is not rounded.
@@ -213,14 +220,45 @@ impl Mesh {
             };
             let pyramid = sign * self.surface.area_vectors[face].dot(on_face);
             three_volumes += pyramid;
+            terms += self.area_terms(face).dot(on_face.abs());
             // The centroid of a pyramid is three quarters of the way from its apex to that of its base.
             weighted += 0.75 * pyramid * to_face;
         }
-        (three_volumes / 3.0, origin + weighted / three_volumes)
+        let volume = three_volumes / 3.0;
+        let centre = origin + weighted / three_volumes;
+        if three_volumes.abs() > CANCELLED * terms {
+            return (volume, centre);
+        }
+        // Next to nothing is left of the terms, so that the centroid is not known either, except that it is in the box.
+        let centre = if centre.is_finite() { centre.clamp(low, high) } else { origin };
+        match self.polyhedron_of_pieces(cell) {
+            Ok(alone) if alone.was_inverted() => (-alone.volume(), centre),
+            Ok(alone) => (alone.volume(), centre),
+            // What cannot stand alone encloses nothing.
+            Err(_) => (0.0, centre),
+        }
+    }
+
+    /// Sum of the magnitudes of the products that a face's area vector is made of, along each axis.
+    fn area_terms(&self, face: usize) -> DVec3 {
+        let ring = self.parts.face(face);
+        let from_centroid = |k: u32| self.surface.vertices[k as usize] - self.surface.centroids[face];
+        let mut terms = DVec3::ZERO;
+        let mut a = from_centroid(ring[ring.len() - 1]);
+        for &k in ring {
+            let b = from_centroid(k);
+            terms += cross_terms(a, b);
+            a = b;
+        }
+        0.5 * terms
     }
 
     fn box_around(&self, cell: usize) -> [DVec3; 2] {
-        self.cell_vertices(cell).iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &k| {
+        self.box_of(self.cell_vertices(cell))
+    }
+
+    fn box_of(&self, vertices: &[u32]) -> [DVec3; 2] {
+        vertices.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], &k| {
             let v = self.surface.vertices[k as usize];
             [low.min(v), high.max(v)]
         })
@@ -230,11 +268,23 @@ impl Mesh {
         let [low, high] = self.bounds[cell];
         let limit = tolerance * (high - low).max_element();
         let outward = self.orientation(cell);
+        // Of a cell with thousands of vertices most are far behind a face: they are passed over by the box.
+        let boxes: Vec<(DVec3, DVec3, &[u32])> = self
+            .cell_vertices(cell)
+            .chunks(32)
+            .map(|part| {
+                let [low, high] = self.box_of(part);
+                (0.5 * (low + high), 0.5 * (high - low), part)
+            })
+            .collect();
         self.signed_faces(cell).all(|(face, sign)| {
             self.surface.pieces(face).all(|piece| {
-                self.cell_vertices(cell)
-                    .iter()
-                    .all(|&k| outward * sign * self.surface.height(piece, self.surface.vertices[k as usize]) <= limit)
+                let height = |point| outward * sign * self.surface.height(piece, point);
+                let normal = self.surface.normal(piece).abs();
+                boxes.iter().all(|&(middle, half, part)| {
+                    height(middle) + normal.dot(half) <= 0.5 * limit
+                        || part.iter().all(|&k| height(self.surface.vertices[k as usize]) <= limit)
+                })
             })
         })
     }
@@ -333,50 +383,12 @@ impl Mesh {
         let [low, high] = self.bounds[cell];
         (low.to_array(), high.to_array())
     }
+}
 
-    /// A cell as a polyhedron of its own: the path that shares nothing with its neighbours.
-    ///
-    /// # Errors
-    /// [`ElementError`] where the cell is acceptable in a mesh but not alone (coincident points).
-    pub fn polyhedron(&self, cell: usize) -> Result<Polyhedron, ElementError> {
-        let points = &self.parts.points;
-        self.stand_alone(self.signed_faces(cell).map(|(face, sign)| (self.parts.face(face), sign)), |label| {
-            points[label as usize]
-        })
-    }
-
-    /// As [`Mesh::polyhedron`], from the very pieces that the mesh has: a warped face is fanned around the mesh's rounded
-    /// centroid, whatever a polyhedron of its own would make of it.
-    pub(crate) fn polyhedron_of_pieces(&self, cell: usize) -> Result<Polyhedron, ElementError> {
-        let pieces = self.signed_faces(cell).flat_map(|(face, sign)| self.surface.pieces(face).map(move |p| (p, sign)));
-        self.stand_alone(pieces.map(|(piece, sign)| (self.surface.ring(piece), sign)), |label| {
-            self.surface.vertices[label as usize].to_array()
-        })
-    }
-
-    fn stand_alone<'a>(
-        &self,
-        rings: impl Iterator<Item = (&'a [u32], f64)>,
-        point: impl Fn(u32) -> [f64; 3],
-    ) -> Result<Polyhedron, ElementError> {
-        let mut labels: Vec<u32> = Vec::new();
-        let mut faces: Vec<Vec<usize>> = Vec::new();
-        for (corners, sign) in rings {
-            let mut ring: Vec<usize> = Vec::with_capacity(corners.len());
-            for &label in corners {
-                ring.push(labels.iter().position(|&l| l == label).unwrap_or_else(|| {
-                    labels.push(label);
-                    labels.len() - 1
-                }));
-            }
-            if sign < 0.0 {
-                ring.reverse();
-            }
-            faces.push(ring);
-        }
-        let points: Vec<[f64; 3]> = labels.iter().map(|&l| point(l)).collect();
-        Polyhedron::from_faces(&points, &faces, Orientation::Fix)
-    }
+/// The cross product with the magnitudes of its products added up.
+pub(crate) fn cross_terms(a: DVec3, b: DVec3) -> DVec3 {
+    let (a, b) = (a.abs(), b.abs());
+    a.yzx() * b.zxy() + a.zxy() * b.yzx()
 }
 
 fn check(parts: &MeshParts) -> Result<(), MeshError> {

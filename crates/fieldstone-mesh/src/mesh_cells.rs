@@ -55,16 +55,28 @@ impl Cells for Mesh {
 
     fn for_each_neighbour(&self, cell: usize, visit: &mut dyn FnMut(u32, f64)) {
         let parts = self.parts();
-        for &face in self.cell_faces(cell) {
+        // Neighbour, place among the faces, area: a face that one side splits, or a cell that bends, meets the same cell again.
+        let mut met: Vec<(u32, usize, f64)> = Vec::new();
+        for (place, &face) in self.cell_faces(cell).iter().enumerate() {
             if let Some(&neighbour) = parts.neighbour.get(face as usize) {
                 let owner = parts.owner[face as usize];
                 let other = if owner as usize == cell { neighbour } else { owner };
-                let distance = (self.centres[cell] - self.centres[other as usize]).length();
-                // Centres that coincide are no neighbours that anything could flow between.
-                if distance == 0.0 {
-                    continue;
-                }
-                visit(other, self.surface.area_vectors[face as usize].length() / distance);
+                met.push((other, place, self.surface.area_vectors[face as usize].length()));
+            }
+        }
+        met.sort_unstable_by_key(|&(other, place, _)| (other, place));
+        met.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            kept.2 += if same { next.2 } else { 0.0 };
+            same
+        });
+        // In the order of the faces, which is that of the mesh and not of the cells' numbers.
+        met.sort_unstable_by_key(|&(_, place, _)| place);
+        for (other, _, area) in met {
+            let distance = (self.centres[cell] - self.centres[other as usize]).length();
+            // Centres that coincide are no neighbours that anything could flow between.
+            if distance != 0.0 {
+                visit(other, area / distance);
             }
         }
     }

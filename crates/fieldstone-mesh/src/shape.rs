@@ -3,6 +3,7 @@
 use fieldstone_geometry::ElementKind;
 
 use crate::MeshParts;
+use crate::rings::is_rotation;
 
 /// Kinds of all cells, and the corners of the standard ones in CGNS order (ends and entries).
 pub(crate) fn recognise(
@@ -39,7 +40,7 @@ pub(crate) fn recognise(
 }
 
 /// Kind and corners from outward faces; `None` where they form no standard element.
-fn standard_corners(rings: &[Vec<u32>]) -> Option<(ElementKind, Vec<u32>)> {
+pub(crate) fn standard_corners(rings: &[Vec<u32>]) -> Option<(ElementKind, Vec<u32>)> {
     let triangles = rings.iter().filter(|r| r.len() == 3).count();
     let quads = rings.iter().filter(|r| r.len() == 4).count();
     if triangles + quads != rings.len() {
@@ -74,8 +75,4 @@ fn edge_off(rings: &[Vec<u32>], from: u32, bottom: &[u32]) -> Option<u32> {
         let next = ring[(at + 1) % ring.len()];
         (!bottom.contains(&next)).then_some(next)
     })
-}
-
-fn is_rotation(a: &[u32], b: &[u32]) -> bool {
-    (0..a.len()).any(|shift| (0..a.len()).all(|k| a[(k + shift) % a.len()] == b[k]))
 }

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_geometry::{Ball, Polyhedron, corner_volume, overlap_volume};
-use fieldstone_mesh::{Cells, Grid};
+use fieldstone_geometry::{Ball, PROMISE, Polyhedron, corner_volume, fast_overlap_volume, overlap_volume};
+use fieldstone_mesh::{Cells, Grid, MeshError};
 use proptest::prelude::*;
 
 fn volumes(grid: &Grid, ball: &Ball) -> Vec<(u32, f64)> {
@@ -31,8 +31,9 @@ proptest! {
         for (cell, &volume) in found.iter().enumerate() {
             let (low, high) = grid.cell_bounds(cell);
             let exact = overlap_volume(&ball, &Polyhedron::cuboid(low, high).unwrap());
-            let scale = ball.volume();
-            prop_assert!((volume - exact).abs() <= 4e-15 * scale, "cell {cell}: {volume} against {exact}");
+            // What the closed form is taken for, and the kernel's own promise.
+            let limit = 48.0 * f64::EPSILON * radius.powi(3) + PROMISE * exact;
+            prop_assert!((volume - exact).abs() <= limit, "cell {cell}: {volume} against {exact}");
         }
     }
 
@@ -103,9 +104,58 @@ fn a_box_is_shared_out_completely() {
 }
 
 #[test]
+fn grids_whose_planes_fall_together_are_refused_and_those_that_just_do_not_are_taken() {
+    // Coordinates near 1e16 are even numbers.
+    let along = |low: f64, high: f64, cells| Grid::new([0.0, low, 0.0], [1.0, high, 1.0], [1, cells, 1]);
+    let error = along(1e16, 1e16 + 4.0, 10).unwrap_err();
+    assert!(matches!(error, MeshError::GridPlanes { axis: 'y', plane: 0, at: 1e16, cells: 10 }), "{error:?}");
+    assert!(error.to_string().contains("fewer cells"));
+    assert!(along(-1e16 - 4.0, -1e16, 3).is_err());
+    for (low, high, cells) in [(1e16, 1e16 + 4.0, 2), (1e16, 1e16 + 4000.0, 700), (-1e-300, 1e-300, 1000)] {
+        let grid = along(low, high, cells).unwrap();
+        assert!((0..cells).all(|cell| grid.plane(1, cell) < grid.plane(1, cell + 1)));
+    }
+    // The smallest numbers there are have as few digits.
+    assert!(along(0.0, f64::from_bits(5), 10).is_err());
+}
+
+#[test]
 fn impossible_grids_are_refused() {
     assert!(Grid::new([0.0; 3], [1.0, 1.0, 0.0], [1; 3]).unwrap_err().to_string().contains("along z"));
     assert!(Grid::new([0.0; 3], [1.0; 3], [1, 0, 1]).is_err());
     assert!(Grid::new([0.0; 3], [f64::INFINITY; 3], [1; 3]).is_err());
     assert!(Grid::new([0.0; 3], [1.0; 3], [usize::MAX, 2, 2]).is_err());
+}
+
+#[test]
+fn balls_much_larger_than_the_cells_keep_the_promise_and_only_cells_that_they_cut_are_counted() {
+    let (mut cut, mut beyond) = (0, 0);
+    for exponent in -2..=16 {
+        // From 2 to 7e4 times the cells' size; through the middle of the grid, in a direction of no symmetry.
+        let radius = 7.0 * 10f64.powf(f64::from(exponent) / 4.0);
+        let grid = Grid::new([-1.0; 3], [1.0, 2.0, 1.5], [2, 3, 3]).unwrap();
+        let ball = Ball::new([0.48, 0.6, 0.64].map(|x| x * radius), radius).unwrap();
+        let mut scratch = grid.scratch();
+        let mut found = Vec::new();
+        grid.overlap_ball(&ball, &mut scratch, &mut found);
+        let mut expected = (0, 0);
+        for cell in 0..grid.cell_count() {
+            let (low, high) = grid.cell_bounds(cell);
+            let alone = Polyhedron::cuboid(low, high).unwrap();
+            let exact = overlap_volume(&ball, &alone);
+            let volume = found.iter().find(|f| f.0 as usize == cell).map_or(0.0, |f| f.1);
+            assert!((volume - exact).abs() <= 2.0 * PROMISE * alone.volume(), "r {radius}: {volume} against {exact}");
+            if exact > 0.0 && exact < alone.volume() {
+                expected.0 += 1;
+                let (_, error) = fast_overlap_volume(&ball, &alone);
+                // Up to four cells and a half the closed form is enough.
+                expected.1 += u64::from(radius > 4.5 && error > PROMISE * alone.volume());
+            }
+        }
+        let counts = grid.path_counts(&scratch);
+        assert_eq!((counts.evaluated, counts.beyond_f64), expected, "r {radius}");
+        cut += counts.evaluated;
+        beyond += counts.beyond_f64;
+    }
+    assert!(beyond > 50 && beyond < cut, "{beyond} of {cut}");
 }

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_geometry::{Ball, CornerOrder, ElementKind, PROMISE, overlap, overlap_volume};
-use fieldstone_mesh::{CellList, Cells, Mesh, MeshError, MeshParts};
+use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, overlap, overlap_volume};
+use fieldstone_mesh::{CellList, Cells, Grid, Mesh, MeshError, MeshParts};
 use proptest::prelude::*;
 
 /// n³ hexahedra on the unit cube, their inner points moved by up to `jitter` cells.
@@ -92,12 +92,7 @@ fn standard_elements_are_recognised_from_faces_alone() {
         // Whatever corner comes first, the element named is the same one.
         let corners: Vec<[f64; 3]> =
             again.cell_corners(cell).unwrap().iter().map(|&k| again.parts().points[k as usize]).collect();
-        let element = fieldstone_geometry::Polyhedron::element(
-            again.cell_kind(cell),
-            CornerOrder::Cgns,
-            &corners,
-            fieldstone_geometry::Orientation::Refuse,
-        );
+        let element = Polyhedron::element(again.cell_kind(cell), CornerOrder::Cgns, &corners, Orientation::Refuse);
         assert!((element.unwrap().volume() - mesh.cell_volumes()[cell]).abs() < 1e-15);
     }
 }
@@ -332,4 +327,182 @@ fn cells_keep_the_promise_for_balls_of_any_size_and_count_what_that_takes() {
         compared > 300 && counts.beyond_f64 > 100 && counts.beyond_f64 < counts.evaluated,
         "{compared}, {counts:?}"
     );
+}
+
+#[test]
+fn points_at_one_place_are_one_corner_however_large_the_ball() {
+    // A prism, once as a wedge, once as a hexahedron of which two edges have their ends at one place.
+    let wedge = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let hexahedron: Vec<[f64; 3]> = [0, 1, 2, 2, 3, 4, 5, 5].map(|k: usize| wedge[k]).to_vec();
+    let mesh = |kind, points: Vec<[f64; 3]>| {
+        let mut cells = CellList::new();
+        cells.push(kind, CornerOrder::Cgns, &(0..points.len() as u32).collect::<Vec<_>>()).unwrap();
+        Mesh::from_cells(points, cells).unwrap()
+    };
+    let meshes = [mesh(ElementKind::Wedge, wedge.to_vec()), mesh(ElementKind::Hexahedron, hexahedron)];
+    for radius in [1e4, 1e6] {
+        let ball = Ball::new([0.3, 0.3, 0.5 - radius], radius).unwrap();
+        let exact = overlap_volume(&ball, &meshes[0].polyhedron(0).unwrap());
+        for mesh in &meshes {
+            let mut scratch = mesh.scratch();
+            let mut found = Vec::new();
+            mesh.overlap_ball(&ball, &mut scratch, &mut found);
+            assert!((found[0].1 - exact).abs() <= PROMISE * exact, "r {radius}: {} against {exact}", found[0].1);
+            assert_eq!(mesh.path_counts(&scratch).beyond_f64, 1);
+        }
+    }
+}
+
+/// Two unit cubes side by side, the first one's common face as the rings given.
+fn two_cubes(common: &[&[u32]]) -> Mesh {
+    let points = (0..12).map(|k| [k / 4, k & 1, (k / 2) & 1].map(f64::from)).collect();
+    // Corners 4 to 7 are the common ones.
+    let side = |a: u32, b: u32| {
+        vec![
+            vec![a, a + 1, b + 1, b],
+            vec![a + 2, b + 2, b + 3, a + 3],
+            vec![a, b, b + 2, a + 2],
+            vec![a + 1, a + 3, b + 3, b + 1],
+        ]
+    };
+    let mut cells = CellList::new();
+    for (a, b, end) in [(0, 4, [0, 2, 3, 1]), (4, 8, [8, 9, 11, 10])] {
+        let mut faces = side(a, b);
+        faces.push(end.to_vec());
+        faces.extend(common.iter().map(|ring| ring.to_vec()));
+        cells.push_polyhedron(faces.iter().map(Vec::as_slice));
+    }
+    Mesh::from_cells(points, cells).unwrap()
+}
+
+#[test]
+fn cells_with_several_common_faces_meet_once_with_the_sum_of_their_areas() {
+    for common in [&[&[4, 5, 7, 6][..]][..], &[&[4, 5, 7], &[4, 7, 6]]] {
+        let mesh = two_cubes(common);
+        assert_eq!(mesh.parts().neighbour.len(), common.len());
+        for cell in 0..2u32 {
+            let mut met = Vec::new();
+            mesh.for_each_neighbour(cell as usize, &mut |other, area| met.push((other, area)));
+            assert_eq!(met, [(1 - cell, 1.0)]);
+        }
+    }
+}
+
+#[test]
+fn elements_that_repeat_corners_are_what_is_left_of_them() {
+    let points: Vec<[f64; 3]> = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [0.0, 1.0, 1.0],
+    ];
+    let one = |corners: [u32; 8]| {
+        let mut cells = CellList::new();
+        cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &corners).unwrap();
+        Mesh::from_cells(points.clone(), cells)
+    };
+    // Either winding, whichever corners are the same.
+    for (corners, kind, volume) in [
+        ([0, 1, 2, 2, 4, 5, 6, 6], ElementKind::Wedge, 0.5),
+        ([0, 1, 2, 0, 4, 5, 6, 4], ElementKind::Wedge, 0.5),
+        ([4, 5, 6, 4, 0, 1, 2, 0], ElementKind::Wedge, 0.5),
+        ([0, 1, 2, 3, 6, 6, 6, 6], ElementKind::Pyramid, 1.0 / 3.0),
+        ([0, 1, 2, 2, 5, 5, 5, 5], ElementKind::Tetrahedron, 1.0 / 6.0),
+        // One face is bent: half way between the cube without one tetrahedron and without two.
+        ([0, 1, 2, 3, 4, 4, 6, 7], ElementKind::Polyhedron, 0.75),
+    ] {
+        let mesh = one(corners).unwrap();
+        assert_eq!(mesh.cell_kind(0), kind, "{corners:?}");
+        assert!((mesh.cell_volumes()[0] - volume).abs() < 1e-15, "{corners:?}: {}", mesh.cell_volumes()[0]);
+        let (ball, mut found) = (Ball::new([0.5; 3], 5.0).unwrap(), Vec::new());
+        mesh.overlap_ball(&ball, &mut mesh.scratch(), &mut found);
+        assert_eq!(found, [(0, mesh.cell_volumes()[0])]);
+        if let Some(corners) = mesh.cell_corners(0) {
+            let corners: Vec<_> = corners.iter().map(|&k| points[k as usize]).collect();
+            let element = Polyhedron::element(kind, CornerOrder::Cgns, &corners, Orientation::Refuse).unwrap();
+            assert!((element.volume() - volume).abs() < 1e-15);
+        }
+    }
+    for flat in [[0, 1, 2, 3, 0, 1, 2, 3], [0, 1, 1, 0, 4, 5, 5, 4], [7; 8]] {
+        let error = one(flat).unwrap_err();
+        assert!(matches!(&error, MeshError::Collapsed { cell: 0, kind: ElementKind::Hexahedron, .. }), "{error}");
+    }
+
+    // The face that the wedge keeps is shared with its neighbour; a polyhedron may repeat corners, too.
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Hexahedron, CornerOrder::Vtk, &[0, 1, 2, 2, 4, 5, 6, 6]).unwrap();
+    cells.push_polyhedron([&[0, 2, 2, 3][..], &[4, 7, 6], &[0, 4, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0], &[0, 2, 0, 2]]);
+    let mesh = Mesh::from_cells(points.clone(), cells).unwrap();
+    assert_eq!((mesh.parts().neighbour.len(), mesh.cell_volumes()), (1, &[0.5, 0.5][..]));
+
+    let mut cells = CellList::new();
+    cells.push(ElementKind::Tetrahedron, CornerOrder::Vtk, &[0, 1, 2, 5]).unwrap();
+    cells.push_polyhedron([&[0, 1, 2][..], &[0, 1]]);
+    let error = Mesh::from_cells(points.clone(), cells).unwrap_err();
+    assert_eq!(error, MeshError::BadCellFace { cell: 1, face: 1, corners: vec![0, 1] });
+}
+
+#[test]
+fn a_point_on_a_common_face_is_in_the_first_cell_of_a_mesh_and_in_the_upper_one_of_a_grid() {
+    let (mesh, grid) = (hexahedra(2, 0.0, 0), Grid::new([0.0; 3], [1.0; 3], [2; 3]).unwrap());
+    for (point, first, upper) in [
+        ([0.5, 0.2, 0.3], 0, 1),
+        ([0.7, 0.5, 0.3], 1, 3),
+        ([0.5, 0.5, 0.3], 0, 3),
+        ([0.5; 3], 0, 7),
+        // At the outer end both have one cell only.
+        ([1.0, 0.2, 0.3], 1, 1),
+        ([1.0; 3], 7, 7),
+    ] {
+        assert_eq!(mesh.locate(point, &mut mesh.scratch()), Some(first), "{point:?}");
+        assert_eq!(grid.locate(point, &mut grid.scratch()), Some(upper), "{point:?}");
+    }
+}
+
+#[test]
+fn a_cell_of_thousands_of_faces_in_any_winding_is_one_convex_cell() {
+    // A ball of n × 2n quadrilaterals, wound at random.
+    let sphere = |n: usize| {
+        let mut points = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+        let at = |i: usize, j: usize| match i {
+            0 => 0,
+            i if i == n => 1,
+            i => (2 + (i - 1) * 2 * n + j % (2 * n)) as u32,
+        };
+        for i in 1..n {
+            let (s, c) = (std::f64::consts::PI * i as f64 / n as f64).sin_cos();
+            points.extend((0..2 * n).map(|j| {
+                let (y, x) = (std::f64::consts::PI * j as f64 / n as f64).sin_cos();
+                [s * x, s * y, c]
+            }));
+        }
+        let mut faces = Vec::new();
+        for i in 0..n {
+            for j in 0..2 * n {
+                let mut ring = vec![at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                ring.dedup();
+                ring.truncate(if ring[0] == ring[ring.len() - 1] { ring.len() - 1 } else { ring.len() });
+                if (i * 7 + j * j) % 3 == 0 {
+                    ring.reverse();
+                }
+                faces.push(ring);
+            }
+        }
+        let mut cells = CellList::new();
+        cells.push_polyhedron(faces.iter().map(Vec::as_slice));
+        let start = std::time::Instant::now();
+        let mesh = Mesh::from_cells(points, cells).unwrap();
+        let built = start.elapsed().as_secs_f64();
+        let alone = mesh.polyhedron(0).unwrap();
+        let both = start.elapsed().as_secs_f64();
+        println!("{} faces: mesh {built:.3} s, polyhedron {:.3} s", 2 * n * n, both - built);
+        assert!(mesh.is_convex(0) && alone.is_convex() && mesh.inverted_cells().is_empty());
+        assert!((alone.volume() / mesh.cell_volumes()[0] - 1.0).abs() < 1e-13);
+        assert!((mesh.cell_volumes()[0] - 4.0 / 3.0 * std::f64::consts::PI).abs() < 30.0 / (n * n) as f64);
+    };
+    [8, 64, 128].into_iter().for_each(sphere);
 }
