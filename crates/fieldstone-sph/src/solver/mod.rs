@@ -462,6 +462,7 @@ impl Solver {
         }
         self.stage.place_bodies(self.time, &self.flow);
         let before = self.stage.displacement(&self.state.x);
+        let listed = self.stage.phases.lists_built;
         self.evaluate()?;
         let mut clock = Instant::now();
         let (dt, share) = self.step_length();
@@ -489,10 +490,19 @@ impl Solver {
         }
         clock = Instant::now();
         let after = self.stage.displacement(&self.state.x);
-        self.lists_due = removed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
+        // Lists made between the stages follow particles beyond a period: for those that are fast, nothing would ever be due.
+        let followed = self.stage.phases.lists_built > listed && self.is_beyond_a_period();
+        self.lists_due = removed || followed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
         self.stage.phases.steps += 1;
         self.stage.phases.add(Phase::Rest, &mut clock);
         Ok(dt)
+    }
+
+    /// Whether a particle is to be wrapped.
+    fn is_beyond_a_period(&self) -> bool {
+        let Boundaries { low, high, periodic, .. } = &self.flow.boundaries;
+        let beyond = |x: &[f64; 3]| (0..3).any(|k| periodic[k] && !(low[k]..high[k]).contains(&x[k]));
+        periodic.contains(&true) && self.state.x.par_iter().any(beyond)
     }
 
     /// Wraps periodic positions, puts the particles in order where that is due, and lists neighbours.
