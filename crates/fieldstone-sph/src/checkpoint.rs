@@ -6,13 +6,13 @@ use crate::solver::Snapshot;
 use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State, TimeStepOptions};
 
 const NAME: &[u8; 7] = b"FSTNSPH";
-const VERSION: u8 = 4;
+const VERSION: u8 = 5;
 
 /// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 4 |
+/// | 8 | `FSTNSPH`, version 5 |
 /// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
@@ -106,6 +106,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         boundaries,
         shifting,
         surface_tension,
+        wrapping,
         removed_energy,
         removed_mass,
         momentum,
@@ -122,6 +123,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         boundaries,
         shifting,
         surface_tension,
+        wrapping,
         removed_energy,
         removed_mass,
     ] {
@@ -151,7 +153,7 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (9u128 + 12 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (9u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
@@ -166,6 +168,7 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     budget.boundaries = number()?;
     budget.shifting = number()?;
     budget.surface_tension = number()?;
+    budget.wrapping = number()?;
     budget.removed_energy = number()?;
     budget.removed_mass = number()?;
     let mut vectors = |n: usize| (0..n).map(|_| Some([number()?, number()?, number()?])).collect::<Option<Vec<_>>>();

@@ -6,7 +6,7 @@ use crate::{Boundaries, DirectionName, GaugeKind, GaugeSection, Solver, SphError
 /// |---|---|
 /// | `time`, `step`, `dt`, `particles`, `free_surface` | |
 /// | `kinetic`, `potential`, `compression` | energies |
-/// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `removed_energy` | the [`Budget`](crate::Budget) |
+/// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `wrapping`, `removed_energy` | the [`Budget`](crate::Budget) |
 /// | `residual` | what the budget does not explain |
 /// | `removed_mass`, `reflections`, `in_bodies`, `singular` | as in the budget, since the start |
 /// | `momentum_x`, … | momentum |
@@ -27,6 +27,7 @@ pub fn gauge_columns(gauges: &[GaugeSection], detects: bool) -> Vec<String> {
         "boundaries",
         "shifting",
         "surface_tension",
+        "wrapping",
         "removed_energy",
         "residual",
         "removed_mass",
@@ -73,6 +74,7 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         budget.boundaries,
         budget.shifting,
         budget.surface_tension,
+        budget.wrapping,
         budget.removed_energy,
         solver.energy_residual(),
         budget.removed_mass,

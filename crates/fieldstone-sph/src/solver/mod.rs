@@ -312,7 +312,8 @@ impl Solver {
     /// What the energy budget does not explain: the error of time integration.
     pub fn energy_residual(&self) -> f64 {
         let b = &self.budget;
-        let gains = b.viscous + b.diffusive + b.boundaries + b.shifting + b.surface_tension - b.removed_energy;
+        let gains =
+            b.viscous + b.diffusive + b.boundaries + b.shifting + b.surface_tension + b.wrapping - b.removed_energy;
         self.energies().total() - b.start - gains
     }
 
@@ -510,13 +511,19 @@ impl Solver {
         let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
         for axis in (0..3).filter(|&k| periodic[k]) {
             let length = high[axis] - low[axis];
+            // Periods by which particles are put back, those along the axis less those against it.
+            let mut periods = 0i64;
             for x in &mut self.state.x {
                 if x[axis] < low[axis] {
                     x[axis] += length;
+                    periods -= 1;
                 } else if x[axis] >= high[axis] {
                     x[axis] -= length;
+                    periods += 1;
                 }
             }
+            let fluid = &self.flow.fluid;
+            self.budget.wrapping += fluid.particle_mass() * fluid.gravity[axis] * length * periods as f64;
         }
         if self.steps >= self.order_due {
             let order = spatial_order(&self.state.x);
