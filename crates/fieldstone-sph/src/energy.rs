@@ -33,7 +33,7 @@ pub struct Budget {
     pub reflections: u64,
     /// Times that a particle ended a step inside a body, which nothing but pressure keeps it out of.
     pub in_bodies: u64,
-    /// Times that a gradient was set to 0 for want of L.
+    /// Times that a particle began a step with a gradient of 0 for want of L.
     pub singular: u64,
     /// The momentum.
     pub momentum: MomentumBudget,

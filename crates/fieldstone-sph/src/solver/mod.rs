@@ -466,6 +466,8 @@ impl Solver {
         let listed = self.stage.phases.lists_built;
         self.evaluate()?;
         let mut clock = Instant::now();
+        // Here and not with what is booked in every stage, of which integrators have different numbers.
+        self.budget.singular += self.stage.gradients.par_iter().filter(|g| g[3] != 0.0).count() as u64;
         let (dt, share) = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
         match self.flow.time_step.integrator {
