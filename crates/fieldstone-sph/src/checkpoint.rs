@@ -8,7 +8,8 @@ use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State, TimeStepOptio
 const NAME: &[u8; 7] = b"FSTNSPH";
 const VERSION: u8 = 5;
 
-/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
+/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget; and a checksum of the
+/// state that it began with.
 ///
 /// | bytes | what |
 /// |---|---|
@@ -87,14 +88,27 @@ fn fingerprint(flow: &Flow) -> u32 {
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut out = Vec::new();
-    let Snapshot { state, regions, built_at, listed_at, time, steps, last_step, fastest, lists_due, order_due, budget } =
-        snapshot;
+    let Snapshot {
+        state,
+        regions,
+        built_at,
+        listed_at,
+        time,
+        steps,
+        last_step,
+        fastest,
+        lists_due,
+        order_due,
+        budget,
+        began,
+    } = snapshot;
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
     word(built_at.len() as u64);
     word(*steps);
     word(u64::from(*lists_due));
     word(*order_due);
+    word(u64::from(*began));
     word(budget.removed);
     word(budget.reflections);
     word(budget.in_bodies);
@@ -153,11 +167,12 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (9u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (10u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
     let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
+    let began = u32::try_from(word()?).ok()?;
     let (removed, reflections, in_bodies, singular) = (word()?, word()?, word()?, word()?);
     let mut budget = Budget { removed, reflections, in_bodies, singular, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
@@ -193,5 +208,6 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
         lists_due,
         order_due,
         budget,
+        began,
     })
 }

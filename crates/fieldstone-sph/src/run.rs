@@ -107,7 +107,8 @@ fn system(path: &Path, source: std::io::Error) -> SphError {
 ///
 /// Time steps are never shortened to hit a time of output, so the cadence of output does not touch the result: a
 /// file is written at the first step at or after its time. With `resume` the run goes on from its checkpoint, with the
-/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew.
+/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew. The case's fills must make the
+/// particles that the run began with.
 ///
 /// # Errors
 /// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
@@ -121,7 +122,7 @@ pub fn run(
 ) -> Result<Outcome, SphError> {
     let output = &case.sections.output;
     let end = case.sections.time.end;
-    let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
+    let mut solver = if resume { resumed(case, folder)? } else { case.solver()? };
     if resume && solver.time() >= end {
         return Ok(Outcome::Beyond(solver.time()));
     }
@@ -166,6 +167,17 @@ pub fn run(
         }
         watch(&solver);
     }
+}
+
+/// The solver of a checkpoint, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
+fn resumed(case: &Case, folder: &RunFolder) -> Result<Solver, SphError> {
+    let solver = Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)?;
+    if solver.began_with(&case.state()?) {
+        return Ok(solver);
+    }
+    let message = "the run began with other particles than the fills make; only [time], k_cfl and the output may change: put \
+                   the fills back, or start anew in another folder";
+    Err(SphError::Checkpoint { file: folder.checkpoint().display().to_string(), message: message.into() })
 }
 
 /// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and

@@ -227,3 +227,30 @@ fn without_detection_no_file_tells_of_a_free_surface() {
         assert_eq!(particles.quantity("region").is_ok(), told);
     }
 }
+
+#[test]
+fn a_run_that_began_with_other_fills_is_not_gone_on_with() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
+    let before = std::fs::read(folder.gauges()).unwrap();
+    let changes: [fn(&mut Case); 2] = [
+        |case| case.sections.fill[0].high = Some(vec![0.146, 0.146]),
+        |case| case.sections.fill[0].velocity = Some(vec![0.1, 0.0]),
+    ];
+    for change in changes {
+        let mut other = small(0.02, 0.04);
+        change(&mut other);
+        let error = run(&other, &folder, true, &never, |_| ()).unwrap_err();
+        assert!(matches!(error, SphError::Checkpoint { .. }), "{error}");
+        assert!(error.to_string().contains("began with other particles than the fills make"), "{error}");
+        assert!(error.to_string().contains("only [time], k_cfl and the output may change"), "{error}");
+    }
+    assert!(std::fs::read(folder.gauges()).unwrap() == before);
+    assert_eq!(run(&small(0.02, 0.04), &folder, true, &never, |_| ()).unwrap(), Outcome::Finished);
+    // Nor after the run has gone on.
+    let mut other = small(0.02, 0.06);
+    changes[0](&mut other);
+    assert!(run(&other, &folder, true, &never, |_| ()).is_err());
+}

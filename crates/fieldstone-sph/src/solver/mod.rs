@@ -149,6 +149,8 @@ pub struct Solver {
     /// Step from which on the particles are put in order when neighbours are listed.
     order_due: u64,
     budget: Budget,
+    /// Fingerprint of the state at time 0.
+    began: u32,
 }
 
 /// What a solver is restarted from, beside its flow.
@@ -165,6 +167,7 @@ pub(crate) struct Snapshot {
     pub(crate) lists_due: bool,
     pub(crate) order_due: u64,
     pub(crate) budget: Budget,
+    pub(crate) began: u32,
 }
 
 impl Solver {
@@ -174,7 +177,9 @@ impl Solver {
     /// As [`Flow::validate`]; [`SphError::Length`], and [`SphError::Broken`] for a state that is not one.
     pub fn new(flow: Flow, state: State) -> Result<Self, SphError> {
         flow.validate()?;
+        let began = state.fingerprint();
         let mut solver = Self::with(flow, state)?;
+        solver.began = began;
         solver.check_particles()?;
         let energies = solver.energies();
         solver.budget.start = energies.total();
@@ -215,6 +220,7 @@ impl Solver {
             lists_due: true,
             order_due: 0,
             budget: Budget::default(),
+            began: 0,
             flow,
             state,
         })
@@ -231,6 +237,7 @@ impl Solver {
         solver.lists_due = snapshot.lists_due;
         solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
+        solver.began = snapshot.began;
         if !snapshot.lists_due {
             solver.stage.place_bodies(snapshot.listed_at, &solver.flow);
             solver.stage.build(&snapshot.built_at, &solver.flow)?;
@@ -251,7 +258,13 @@ impl Solver {
             lists_due: self.lists_due,
             order_due: self.order_due,
             budget: self.budget,
+            began: self.began,
         }
+    }
+
+    /// Whether the state at time 0 was this one, to the bit; also after a restart.
+    pub fn began_with(&self, state: &State) -> bool {
+        self.began == state.fingerprint()
     }
 
     /// The flow.
