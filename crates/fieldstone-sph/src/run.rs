@@ -251,10 +251,17 @@ struct Series {
 impl Series {
     fn open(folder: &RunFolder, until: Option<f64>) -> Result<Self, SphError> {
         let mut steps = Vec::new();
-        if let Some(time) = until
-            && folder.series().exists()
-        {
-            steps = read_pvd(&folder.series())?;
+        if let Some(time) = until {
+            let frames = folder.frames()?.len();
+            if folder.series().exists() {
+                steps = read_pvd(&folder.series())?;
+            } else if frames > 0 {
+                let message = format!(
+                    "the series is missing, but there are {frames} of its files: put it back, or move particles_*.vtp away to begin \
+                     another"
+                );
+                return Err(SphError::Checkpoint { file: folder.series().display().to_string(), message });
+            }
             steps.retain(|(t, _)| *t <= time);
             for (_, file) in &mut steps {
                 *file = file.file_name().map(PathBuf::from).unwrap_or_default();
@@ -263,7 +270,7 @@ impl Series {
         Ok(Self { folder: folder.0.clone(), path: folder.series(), steps })
     }
 
-    /// Writes the next file. Numbers go on from those kept, whatever the period was: none is written over.
+    /// Writes the next file. Numbers go on from those kept, whatever the period was: none of these is written over.
     fn write(&mut self, solver: &Solver) -> Result<(), SphError> {
         let number =
             |(_, file): &(f64, PathBuf)| file.file_stem()?.to_str()?.strip_prefix("particles_")?.parse::<usize>().ok();

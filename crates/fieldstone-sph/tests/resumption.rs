@@ -254,3 +254,21 @@ fn a_run_that_began_with_other_fills_is_not_gone_on_with() {
     changes[0](&mut other);
     assert!(run(&other, &folder, true, &never, |_| ()).is_err());
 }
+
+#[test]
+fn frames_that_no_series_lists_are_neither_written_over_nor_forgotten() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
+    let frames = || folder.frames().unwrap().iter().map(|path| std::fs::read(path).unwrap()).collect::<Vec<_>>();
+    let (before, series) = (frames(), space.path().join("kept.pvd"));
+    std::fs::rename(folder.series(), &series).unwrap();
+    let error = run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap_err().to_string();
+    assert!(error.contains("particles.pvd: the series is missing, but there are 3 of its files"), "{error}");
+    assert!(error.contains("put it back, or move particles_*.vtp away"), "{error}");
+    assert!(frames() == before);
+    std::fs::rename(&series, folder.series()).unwrap();
+    run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap();
+    assert!(frames()[..3] == before && read_pvd(&folder.series()).unwrap().len() == 6);
+}
