@@ -283,6 +283,14 @@ impl Series {
     }
 }
 
+/// Whether a line is a row of as many numbers as there are columns, up to a time: what a full disk has cut is none, also where the
+/// cut is within a number.
+fn is_row_until(line: &str, columns: usize, time: f64) -> bool {
+    let numbers: Vec<f64> = line.trim_end().split(',').map_while(|word| word.parse().ok()).collect();
+    let fields = line.split(',').count();
+    line.ends_with('\n') && numbers.len() == columns && fields == columns && numbers[0] <= time
+}
+
 /// A table that grows while the run goes on.
 struct Table {
     path: PathBuf,
@@ -307,10 +315,8 @@ impl Table {
                         .into(),
                 ));
             }
-            let in_time =
-                |row: &&str| row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time);
-            for row in old.lines().skip(1).filter(in_time) {
-                kept.push_str(row);
+            for row in old.split_inclusive('\n').skip(1).filter(|row| is_row_until(row, columns.len(), time)) {
+                kept.push_str(row.trim_end());
                 kept.push('\n');
             }
         }

@@ -272,3 +272,38 @@ fn frames_that_no_series_lists_are_neither_written_over_nor_forgotten() {
     run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap();
     assert!(frames()[..3] == before && read_pvd(&folder.series()).unwrap().len() == 6);
 }
+
+#[test]
+fn rows_that_a_full_disk_has_cut_are_no_rows() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
+    let whole = std::fs::read_to_string(folder.gauges()).unwrap();
+    let (rest, last) = whole.trim_end().rsplit_once('\n').unwrap();
+    let fields: Vec<&str> = last.split(',').collect();
+    let damage = |cut: String| {
+        std::fs::write(folder.gauges(), cut).unwrap();
+        run(&small(0.02, 0.06), &folder, true, &never, |_| ()).unwrap();
+        let table = std::fs::read_to_string(folder.gauges()).unwrap();
+        // Back to where it was, for another cut.
+        std::fs::remove_file(folder.checkpoint()).unwrap();
+        std::fs::copy(space.path().join("checkpoint.kept"), folder.checkpoint()).unwrap();
+        table
+    };
+    std::fs::copy(folder.checkpoint(), space.path().join("checkpoint.kept")).unwrap();
+    let full = damage(whole.clone());
+    // Cut after three fields, within the time, within the last number, and with a word for a number.
+    for cut in [
+        format!("{rest}\n{}", fields[..3].join(",")),
+        format!("{rest}\n{}\n", fields[..3].join(",")),
+        format!("{rest}\n{}", &fields[0][..3]),
+        format!("{rest}\n{}", &last[..last.len() - 1]),
+        format!("{rest}\n{}\n", last.replacen(fields[3], "none", 1)),
+    ] {
+        let table = damage(cut);
+        let found: Vec<&str> = table.lines().collect();
+        let expected: Vec<&str> = full.lines().filter(|line| *line != last).collect();
+        assert_eq!(found, expected);
+    }
+}
