@@ -119,6 +119,12 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
             "at is [5.0, 0.0]; it must be in the domain",
         ),
         ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"time\"\nkind = \"front\"", "the name 'time' is taken"),
+        (
+            "end = 10.0",
+            "end = 10.0\n[shifting]\nenabled = false\ncap = -1",
+            "c.toml:22: the largest shift over the spacing is -1",
+        ),
+        ("end = 10.0", "end = 10.0\n[shifting]\nenabled = false\nn = 0", "c.toml:22: n of the shifting is 0"),
         ("end = 10.0", "end = 10.0\n[shifting]\ncap = 7", "c.toml:21: the largest shift over the spacing is 7"),
         (
             "kind = \"tank\"",

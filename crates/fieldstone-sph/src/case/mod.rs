@@ -221,17 +221,18 @@ impl Case {
                 return Err(self.fault("shifting", 0, "detection", message));
             }
             flow.detection = Some(method);
-            if shifting.enabled {
-                flow.shifting = Some(ShiftingOptions {
-                    k_cfl: shifting.k_cfl.unwrap_or(s.time.cfl),
-                    r: shifting.r,
-                    n: shifting.n,
-                    factor: shifting.factor,
-                    mach: shifting.mach,
-                    cap: shifting.cap,
-                    nearest_counts: shifting.nearest_counts,
-                });
-            }
+            let options = ShiftingOptions {
+                k_cfl: shifting.k_cfl.unwrap_or(s.time.cfl),
+                r: shifting.r,
+                n: shifting.n,
+                factor: shifting.factor,
+                mach: shifting.mach,
+                cap: shifting.cap,
+                nearest_counts: shifting.nearest_counts,
+            };
+            // What is switched off is right, too, before it is switched on.
+            options.validate().map_err(|e| self.placed(e))?;
+            flow.shifting = shifting.enabled.then_some(options);
         }
         flow.validate().map_err(|e| self.placed(e))?;
         Ok(flow)
