@@ -290,3 +290,17 @@ fn levels_and_waves_that_gravity_does_not_allow_are_refused() {
         assert!(error.contains(expected), "{error}\ninstead of {expected}");
     }
 }
+
+#[test]
+fn shifting_without_a_mach_number_is_refused() {
+    let text = |speed: &str, rest: &str| {
+        let text = shipped("hydrostatic").text().replace("expected_speed = 1.0", &format!("expected_speed = {speed}"));
+        format!("{text}\n[shifting]\n{rest}\n")
+    };
+    let error = Case::parse(&text("0.0", ""), "c.toml").unwrap_err().to_string();
+    assert!(error.starts_with("c.toml:13: the Mach number of the shifting"), "{error}");
+    assert!(error.contains("give mach, or an expected_speed above 0"), "{error}");
+    for (speed, rest) in [("0.0", "mach = 0.05"), ("0.0", "enabled = false"), ("1.0", "")] {
+        assert!(Case::parse(&text(speed, rest), "c.toml").is_ok(), "{speed} {rest}");
+    }
+}

@@ -269,6 +269,9 @@ impl Case {
                 "n of the shifting" => ("shifting", 0, "n"),
                 "the factor of the shifting" => ("shifting", 0, "factor"),
                 "the Mach number of the shifting" => ("shifting", 0, "mach"),
+                "the Mach number of the shifting, expected speed over speed of sound," => {
+                    ("fluid", 0, "expected_speed")
+                }
                 "the largest shift over the spacing" => ("shifting", 0, "cap"),
                 _ => ("shifting", 0, ""),
             },

@@ -65,6 +65,13 @@ impl Flow {
         self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
         if let Some(shifting) = &self.shifting {
             shifting.validate()?;
+            let mach = shifting.mach_number(&self.fluid);
+            check(
+                "the Mach number of the shifting, expected speed over speed of sound,",
+                mach,
+                shifting.mach.is_some() || mach > 0.0,
+                "above 0, or nothing is shifted: give mach, or an expected_speed above 0",
+            )?;
         }
         Ok(())
     }
