@@ -125,6 +125,12 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
             "c.toml:22: the largest shift over the spacing is -1",
         ),
         ("end = 10.0", "end = 10.0\n[shifting]\nenabled = false\nn = 0", "c.toml:22: n of the shifting is 0"),
+        ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"\"\nkind = \"front\"", "c.toml:21: the name \"\" is empty"),
+        (
+            "end = 10.0",
+            "end = 10.0\n[[gauge]]\nname = \"a\\rb\"\nkind = \"front\"",
+            "c.toml:21: the name \"a\\rb\" is empty, or holds a comma, a quote or a control character",
+        ),
         ("end = 10.0", "end = 10.0\n[shifting]\ncap = 7", "c.toml:21: the largest shift over the spacing is 7"),
         (
             "kind = \"tank\"",

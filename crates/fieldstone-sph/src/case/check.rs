@@ -54,10 +54,18 @@ impl Case {
             let taken = gauge_columns(&s.gauge[..nth], true);
             let of_flow = gauge_columns(&[], true).len();
             let own = gauge_columns(std::slice::from_ref(gauge), true).split_off(of_flow);
-            if gauge.name.contains([',', '"', '\n']) || own.iter().any(|name| taken.contains(name)) {
-                let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
-                return Err(self.fault("gauge", nth, "name", message));
-            }
+            let is_no_name = |c: char| matches!(c, ',' | '"') || c.is_control();
+            let message = if gauge.name.trim().is_empty() || gauge.name.contains(is_no_name) {
+                format!(
+                    "the name {:?} is empty, or holds a comma, a quote or a control character; give another",
+                    gauge.name
+                )
+            } else if own.iter().any(|name| taken.contains(name)) {
+                format!("the name '{}' is taken; give another", gauge.name)
+            } else {
+                continue;
+            };
+            return Err(self.fault("gauge", nth, "name", message));
         }
         self.check_size()?;
         self.check_motions(&self.flow()?)?;
