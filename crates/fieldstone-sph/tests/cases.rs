@@ -1,7 +1,9 @@
 //! Case files: what ships starts as it should, and what is wrong is named with its line.
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_sph::{Case, SHIPPED, Solver};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, run};
 
 fn shipped(name: &str) -> Case {
     let case = SHIPPED.iter().find(|c| c.name == name).unwrap();
@@ -308,5 +310,42 @@ fn shifting_without_a_mach_number_is_refused() {
     assert!(error.contains("give mach, or an expected_speed above 0"), "{error}");
     for (speed, rest) in [("0.0", "mach = 0.05"), ("0.0", "enabled = false"), ("1.0", "")] {
         assert!(Case::parse(&text(speed, rest), "c.toml").is_ok(), "{speed} {rest}");
+    }
+}
+
+#[test]
+fn sections_that_were_changed_stay_so_at_another_spacing() {
+    let mut case = shipped("hydrostatic");
+    case.sections.fluid.delta = 0.3;
+    case.sections.fill[0].high = Some(vec![1.0, 0.25]);
+    let finer = case.with_spacing(0.0125).unwrap();
+    assert_eq!(finer.flow().unwrap().fluid.delta, 0.3);
+    assert_eq!(finer.state().unwrap().len(), 80 * 20);
+    // Text and line numbers are those of the file, at the spacing.
+    assert_eq!(Case::parse(finer.text(), "c.toml").unwrap().sections.spacing, 0.0125);
+}
+
+#[test]
+fn sections_that_were_changed_are_checked_before_anything_is_made_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = RunFolder::create(folder.path()).unwrap();
+    type Change = fn(&mut Case);
+    let changes: [(Change, &str); 3] = [
+        (|case| case.sections.time.end = f64::NAN, "hydrostatic:19: end is NaN; it must be finite and above 0"),
+        (|case| case.sections.output.every = Some(0.0), "every is 0; it must be finite and above 0"),
+        (|case| case.sections.dimension = 4, "hydrostatic:2: the dimension is 4; it must be 2 or 3"),
+    ];
+    for (change, expected) in changes {
+        let mut case = shipped("hydrostatic");
+        change(&mut case);
+        let stop = AtomicBool::new(false);
+        let mut steps = 0;
+        let ran = run(&case, &files, false, &stop, |_| {
+            steps += 1;
+            stop.store(steps > 3, Ordering::Relaxed);
+        });
+        for error in [case.flow().unwrap_err(), case.state().unwrap_err(), ran.unwrap_err()] {
+            assert!(error.to_string().contains(expected), "{error}\ninstead of {expected}");
+        }
     }
 }

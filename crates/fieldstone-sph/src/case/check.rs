@@ -12,8 +12,8 @@ const MOST_PARTICLES: f64 = (1u64 << 28) as f64;
 const FASTEST_BODY: f64 = 0.25;
 
 impl Case {
-    /// Checks what one section says, and what sections say of each other.
-    pub(super) fn check(&self) -> Result<(), SphError> {
+    /// Checks what one section says, and what sections say of each other: the flow that they make.
+    pub(super) fn check(&self) -> Result<Flow, SphError> {
         let s = &self.sections;
         if !matches!(s.dimension, 2 | 3) {
             return Err(self.fault("", 0, "dimension", format!("the dimension is {}; it must be 2 or 3", s.dimension)));
@@ -68,7 +68,8 @@ impl Case {
             return Err(self.fault("gauge", nth, "name", message));
         }
         self.check_size()?;
-        self.check_motions(&self.flow()?)?;
+        let flow = self.assembled()?;
+        self.check_motions(&flow)?;
         // The lattice of the start would be torn where it meets its own image.
         for &axis in &s.domain.periodic {
             let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
@@ -82,7 +83,7 @@ impl Case {
                 return Err(self.fault("domain", 0, "high", message));
             }
         }
-        Ok(())
+        Ok(flow)
     }
 
     fn check_domain(&self) -> Result<(), SphError> {

@@ -43,7 +43,8 @@ use sections::{ShapeKeys, SurfaceKeys};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What the file says.
+    /// What the file says; may be changed, and is checked before anything is made of it. Messages then name the line where the file
+    /// has, or would have, what is wrong.
     pub sections: Sections,
     text: String,
     file: String,
@@ -123,7 +124,7 @@ impl Case {
         Ok(case)
     }
 
-    /// The text it was parsed from.
+    /// The text it was parsed from; what was changed in the sections since, but for the spacing, is not in it.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -142,7 +143,8 @@ impl Case {
         toml::to_string(&self.sections).unwrap_or_else(|_| self.text.clone())
     }
 
-    /// The same case at another spacing.
+    /// The same case at another spacing, with its [`sections`](Self::sections) as they are now and the [`text`](Self::text) that it
+    /// was parsed from.
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
@@ -153,8 +155,12 @@ impl Case {
             .text
             .lines()
             .map(|line| if is_key(line) { format!("spacing = {spacing}\n") } else { format!("{line}\n") });
-        let case = Self::parse(&lines.collect::<String>(), &self.file)?;
-        if case.sections.spacing == spacing {
+        let mut case = Self { text: lines.collect(), ..self.clone() };
+        case.sections.spacing = spacing;
+        case.read_surfaces()?;
+        case.check()?;
+        // The text has to say what the sections do.
+        if toml::from_str::<Sections>(&case.text).is_ok_and(|said| said.spacing.to_bits() == spacing.to_bits()) {
             return Ok(case);
         }
         Err(self.fault("", 0, "spacing", "the spacing cannot be changed here; give it as a line `spacing = …`"))
@@ -175,6 +181,11 @@ impl Case {
     /// # Errors
     /// [`SphError::Case`] with the line of what does not fit.
     pub fn flow(&self) -> Result<Flow, SphError> {
+        self.check()
+    }
+
+    /// What the sections say as a flow, which is checked by itself.
+    fn assembled(&self) -> Result<Flow, SphError> {
         let s = &self.sections;
         let f = &s.fluid;
         for (key, value) in [("expected_speed", f.expected_speed), ("expected_pressure", f.expected_pressure)] {
