@@ -65,6 +65,12 @@ impl Boundaries {
         }
     }
 
+    /// The part of gravity that pressure at rest and levels hang on: none of it along periodic axes, where it drives a flow and what is
+    /// at one end is at the other, too.
+    pub(crate) fn levelling(&self, gravity: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| if self.periodic[k] { 0.0 } else { gravity[k] })
+    }
+
     /// Checks the domain, and that no two boundaries are closer than `reach`.
     ///
     /// # Errors

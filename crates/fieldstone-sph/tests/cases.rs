@@ -349,3 +349,19 @@ fn sections_that_were_changed_are_checked_before_anything_is_made_of_them() {
         }
     }
 }
+
+#[test]
+fn gravity_along_a_periodic_axis_makes_no_pressure_and_no_level() {
+    // A channel that slopes down along x.
+    for (rest, level) in [("", 0.5), ("\nsurface = 0.6", 0.6)] {
+        let water = fill([0.0, 0.0], [2.0, 0.5], &format!("pressure = \"hydrostatic\"{rest}"));
+        let text = still("[1.0, -9.76]", &water).replace("high = [2, 2]\n", "high = [2, 2]\nperiodic = [\"x\"]\n");
+        for (x, p) in pressures(&text) {
+            assert!((p - 9760.0 * (level - x[1])).abs() < 1e-6, "{x:?}: {p}");
+        }
+    }
+    let lying = fill([0.0, 0.0], [2.0, 0.5], "pressure = \"hydrostatic\"\nsurface = 0.6");
+    let text = still("[1.0, 0.0]", &lying).replace("high = [2, 2]\n", "high = [2, 2]\nperiodic = [\"x\"]\n");
+    let error = Case::parse(&text, "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
+    assert!(error.contains("c.toml:19: without gravity there is no level") && error.contains("periodic"), "{error}");
+}

@@ -113,13 +113,9 @@ impl Case {
     }
 
     /// Whether gravity lets a fill begin as it says: with a wave, or below a level.
-    pub(super) fn check_gravity(
-        &self,
-        nth: usize,
-        bounds: ([f64; 3], [f64; 3]),
-        fluid: &FluidOptions,
-    ) -> Result<(), SphError> {
-        let (fill, gravity) = (&self.sections.fill[nth], fluid.gravity);
+    pub(super) fn check_gravity(&self, nth: usize, bounds: ([f64; 3], [f64; 3]), flow: &Flow) -> Result<(), SphError> {
+        let (fill, gravity) = (&self.sections.fill[nth], flow.fluid.gravity);
+        let levelling = flow.boundaries.levelling(gravity);
         let up = self.up();
         let downwards = gravity[up] < 0.0 && (0..up).all(|k| gravity[k] == 0.0);
         if fill.flow == FlowName::StandingWave && !downwards {
@@ -131,11 +127,12 @@ impl Case {
             return Err(self.fault("fill", nth, "flow", message));
         }
         let Some(surface) = fill.surface else { return Ok(()) };
-        if gravity == [0.0; 3] {
-            let message = "without gravity there is no level; remove surface, or give gravity";
+        if levelling == [0.0; 3] {
+            let message = "without gravity there is no level, and along a periodic axis it does not count; remove surface, or give \
+                           gravity";
             return Err(self.fault("fill", nth, "surface", message));
         }
-        let top = top_level(bounds, gravity);
+        let top = top_level(bounds, levelling);
         let extent = (0..3).map(|k| bounds.1[k] - bounds.0[k]).fold(0.0, f64::max);
         // A level at the top may come rounded.
         if surface < top - 1e-9 * extent {

@@ -471,7 +471,8 @@ impl Case {
             let shape = self.shape("fill", nth, &fill.keys())?;
             let (points, cell) = shape.lattice(s.spacing, s.dimension);
             let bounds = shape.bounds();
-            self.check_gravity(nth, bounds, &flow.fluid)?;
+            self.check_gravity(nth, bounds, &flow)?;
+            let levelling = flow.boundaries.levelling(flow.fluid.gravity);
             let before = state.len();
             for x in points {
                 if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
@@ -488,7 +489,7 @@ impl Case {
                     let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
                     return Err(self.fault("fill", nth, "shape", message));
                 }
-                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid);
+                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid, levelling);
                 state.x.push(x);
                 state.u.push(velocity);
                 state.density.push(flow.fluid.density_at(pressure));

@@ -286,7 +286,7 @@ pub enum Pressure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PressureName {
-    /// ρ₀ |g| times the depth, along gravity, below the fill's top or its `surface`.
+    /// ρ₀ |g| times the depth, along gravity, below the fill's top or its `surface`; gravity along periodic axes left out.
     Hydrostatic,
     /// That of the fill's flow.
     Flow,
