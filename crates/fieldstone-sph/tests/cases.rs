@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, run};
+use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, level_over, run};
 
 fn shipped(name: &str) -> Case {
     let case = SHIPPED.iter().find(|c| c.name == name).unwrap();
@@ -364,4 +364,27 @@ fn gravity_along_a_periodic_axis_makes_no_pressure_and_no_level() {
     let text = still("[1.0, 0.0]", &lying).replace("high = [2, 2]\n", "high = [2, 2]\nperiodic = [\"x\"]\n");
     let error = Case::parse(&text, "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
     assert!(error.contains("c.toml:19: without gravity there is no level") && error.contains("periodic"), "{error}");
+}
+
+#[test]
+fn levels_are_measured_against_gravity() {
+    for (gravity, periodic, low, high, at, level) in [
+        ("[0, -9.81]", "", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        ("[0, 9.81]", "", [0.0, 1.4], [2.0, 2.0], [1.0, 0.0], 1.4),
+        ("[-9.81, 0]", "", [0.0, 0.0], [0.5, 2.0], [0.0, 1.0], 0.5),
+        ("[9.81, 0]", "", [1.4, 0.0], [2.0, 2.0], [0.0, 1.0], 1.4),
+        // The larger component counts, and one along a period does not.
+        ("[-9.81, 3]", "", [0.0, 0.0], [0.5, 2.0], [0.0, 1.0], 0.5),
+        ("[9, -3]", "periodic = [\"x\"]\n", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        ("[0, 0]", "", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        // Dry: the face that the water would lie on.
+        ("[-9.81, 0]", "", [0.0, 0.0], [0.5, 1.0], [1.0, 1.5], 0.0),
+        ("[9.81, 0]", "", [1.5, 0.0], [2.0, 1.0], [1.0, 1.5], 2.0),
+    ] {
+        let text =
+            still(gravity, &fill(low, high, "")).replace("high = [2, 2]\n", &format!("high = [2, 2]\n{periodic}"));
+        let solver = Case::parse(&text, "c.toml").unwrap().solver().unwrap();
+        let found = level_over(&solver, [at[0], at[1], 0.0]);
+        assert!((found - level).abs() < 1e-9, "{gravity}: {found} for {level}");
+    }
 }
