@@ -116,8 +116,8 @@ impl Shape {
 
 /// A solid body, at rest or in a prescribed motion: ghost particles whose pressure is interpolated from the fluid.
 ///
-/// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
-/// beyond by the kernel's radius 2h.
+/// Bodies are neither mirrored nor repeated. Where one stands on a wall, let it reach beyond by the kernel's radius 2h. Along a periodic
+/// axis it stays 2h away from both faces, or goes 2h beyond both, or is given a second time, a period farther: refused otherwise.
 ///
 /// Bodies at rest, and bodies with the same motion, may overlap: together they are one solid, and what several of them cover
 /// belongs to the first, with its slip and in its force. Bodies that move otherwise must not overlap at time 0.

@@ -180,8 +180,9 @@ impl Case {
         Ok(())
     }
 
-    /// Refuses tables of motion that are too fast for the fluid: units that do not fit.
+    /// Refuses tables of motion that are too fast for the fluid, units that do not fit, or that lead to a periodic face.
     fn check_motions(&self, flow: &Flow) -> Result<(), SphError> {
+        flow.boundaries.check_repeats(&flow.fluid, self.sections.time.end).map_err(|e| self.placed(e))?;
         for (nth, body) in flow.boundaries.bodies.iter().enumerate() {
             let Some(motion) = &body.motion else { continue };
             let (speed, _) = motion.largest(0.0, self.sections.time.end);

@@ -254,6 +254,7 @@ impl Case {
         let (section, nth, key) = match &error {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
             SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
+            SphError::CutBody { body, .. } => ("body", *body, "shape"),
             SphError::Overlapping { second, .. } => ("body", *second, "shape"),
             SphError::TooNarrow { .. } => ("domain", 0, "high"),
             SphError::SameSide { second, .. } => ("wall", self.section_of_wall(*second), "kind"),

@@ -52,7 +52,8 @@ impl Flow {
     /// Checks every option.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`].
+    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`],
+    /// [`SphError::CutBody`], [`SphError::Overlapping`].
     pub fn validate(&self) -> Result<(), SphError> {
         self.fluid.validate()?;
         self.time_step.validate()?;
