@@ -49,6 +49,11 @@ fn the_energy_of_a_flow_that_its_weight_drives_through_a_period_is_accounted_for
         let columns = gauge_columns(&[], false);
         let row = gauge_row(&mut solver, &[]).unwrap();
         let wrapping = row[columns.iter().position(|name| name == "wrapping").unwrap()];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("checkpoint.bin");
+        solver.write_checkpoint(&path).unwrap();
+        let resumed = Solver::read_checkpoint(&path, solver.flow().clone()).unwrap();
+        assert_eq!(resumed.budget(), solver.budget());
         println!("g {weight}: {wrapping} through the period, residual {residual:e}");
         assert!(wrapping > through, "{wrapping} {through}");
         assert!(residual.abs() < 1e-3 * through, "{residual} of {through}");
