@@ -100,11 +100,11 @@ impl Shape {
             Self::Surface(ref surface) => {
                 let (low, high) = surface.bounds();
                 let step = 1e-6 * (0..3).map(|k| high[k] - low[k]).fold(f64::INFINITY, f64::min);
-                for k in 0..3 {
+                for (k, way) in way.iter_mut().enumerate() {
                     let beside = |sign: f64| {
                         surface.depth(std::array::from_fn(|a| x[a] + if a == k { sign * step } else { 0.0 }))
                     };
-                    way[k] = beside(-1.0) - beside(1.0);
+                    *way = beside(-1.0) - beside(1.0);
                 }
             }
         }
@@ -191,8 +191,8 @@ fn length_of(v: [f64; 3]) -> f64 {
 
 /// A solid body, at rest or in a prescribed motion: ghost particles whose pressure is interpolated from the fluid.
 ///
-/// Bodies are neither mirrored nor repeated: where one stands on a wall or ends at a periodic face, let it reach
-/// beyond by the kernel's radius 2h.
+/// Bodies are neither mirrored nor repeated. Where one stands on a wall, let it reach beyond by the kernel's radius 2h. Along a periodic
+/// axis it stays 2h away from both faces, or goes 2h beyond both, or is given a second time, a period farther: refused otherwise.
 ///
 /// Bodies at rest, and bodies with the same motion, may overlap: together they are one solid, and what several of them cover
 /// belongs to the first, with its slip and in its force. Bodies that move otherwise must not overlap at time 0.

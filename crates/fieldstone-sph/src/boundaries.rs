@@ -30,7 +30,7 @@ pub struct MirrorWall {
 /// | `periodic` | directions in which the domain repeats itself | – |
 /// | `open` | lower and upper faces through which particles may leave; they are removed and counted | – |
 /// | `walls` | mirror planes, at right angles to each other where they meet | – |
-/// | `bodies` | solid bodies, at rest or in a prescribed motion, made of ghost particles | – |
+/// | `bodies` | solid bodies, at rest or in a prescribed motion, made of ghost particles; not repeated by a period | – |
 ///
 /// A particle beyond a face that is neither periodic nor open, by more than `padding`, stops the run.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,10 +65,17 @@ impl Boundaries {
         }
     }
 
+    /// The part of gravity that pressure at rest and levels hang on: none of it along periodic axes, where it drives a flow and what is
+    /// at one end is at the other, too.
+    pub(crate) fn levelling(&self, gravity: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| if self.periodic[k] { 0.0 } else { gravity[k] })
+    }
+
     /// Checks the domain, and that no two boundaries are closer than `reach`.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::SameSide`], [`SphError::ThinBody`], [`SphError::Overlapping`].
+    /// [`SphError::Option`], [`SphError::TooNarrow`], [`SphError::SameSide`], [`SphError::ThinBody`],
+    /// [`SphError::CutBody`], [`SphError::Overlapping`].
     pub fn validate(&self, fluid: &FluidOptions, reach: f64) -> Result<(), SphError> {
         for axis in 0..fluid.dimension {
             let length = self.high[axis] - self.low[axis];
@@ -100,6 +107,7 @@ impl Boundaries {
             }
         }
         self.bodies.iter().enumerate().try_for_each(|(index, body)| body.validate(index, fluid))?;
+        self.check_repeats(fluid, 0.0)?;
         for (second, body) in self.bodies.iter().enumerate() {
             for (first, other) in self.bodies[..second].iter().enumerate().filter(|(_, b)| !b.moves_with(body)) {
                 if let Some(at) = other.common_place(body, fluid) {

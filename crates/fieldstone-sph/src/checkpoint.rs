@@ -6,13 +6,14 @@ use crate::solver::Snapshot;
 use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State, TimeStepOptions};
 
 const NAME: &[u8; 7] = b"FSTNSPH";
-const VERSION: u8 = 4;
+const VERSION: u8 = 5;
 
-/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget.
+/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget; and a checksum of the
+/// state that it began with.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 4 |
+/// | 8 | `FSTNSPH`, version 5 |
 /// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
@@ -87,14 +88,27 @@ fn fingerprint(flow: &Flow) -> u32 {
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut out = Vec::new();
-    let Snapshot { state, regions, built_at, listed_at, time, steps, last_step, fastest, lists_due, order_due, budget } =
-        snapshot;
+    let Snapshot {
+        state,
+        regions,
+        built_at,
+        listed_at,
+        time,
+        steps,
+        last_step,
+        fastest,
+        lists_due,
+        order_due,
+        budget,
+        began,
+    } = snapshot;
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
     word(built_at.len() as u64);
     word(*steps);
     word(u64::from(*lists_due));
     word(*order_due);
+    word(u64::from(*began));
     word(budget.removed);
     word(budget.reflections);
     word(budget.in_bodies);
@@ -106,6 +120,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         boundaries,
         shifting,
         surface_tension,
+        wrapping,
         removed_energy,
         removed_mass,
         momentum,
@@ -122,6 +137,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         boundaries,
         shifting,
         surface_tension,
+        wrapping,
         removed_energy,
         removed_mass,
     ] {
@@ -151,11 +167,12 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (9u128 + 12 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (10u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
     if bytes.len() as u128 != expected {
         return None;
     }
     let (steps, lists_due, order_due) = (word()?, word()? != 0, word()?);
+    let began = u32::try_from(word()?).ok()?;
     let (removed, reflections, in_bodies, singular) = (word()?, word()?, word()?, word()?);
     let mut budget = Budget { removed, reflections, in_bodies, singular, ..Budget::default() };
     let mut number = || Some(f64::from_bits(word()?));
@@ -166,6 +183,7 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     budget.boundaries = number()?;
     budget.shifting = number()?;
     budget.surface_tension = number()?;
+    budget.wrapping = number()?;
     budget.removed_energy = number()?;
     budget.removed_mass = number()?;
     let mut vectors = |n: usize| (0..n).map(|_| Some([number()?, number()?, number()?])).collect::<Option<Vec<_>>>();
@@ -190,5 +208,6 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
         lists_due,
         order_due,
         budget,
+        began,
     })
 }

@@ -4,7 +4,7 @@ use crate::{FluidOptions, State};
 
 /// What a run has gained and lost since its start; per unit of length along z in two dimensions.
 ///
-/// $$ E_k + E_p + E_c - \text{start} = W_\nu + W_\delta + W_b + W_s + W_\sigma - \text{removed} + \text{residual} $$
+/// $$ E_k + E_p + E_c - \text{start} = W_\nu + W_\delta + W_b + W_s + W_\sigma + W_p - \text{removed} + \text{residual} $$
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Budget {
     /// Energy at the start.
@@ -19,6 +19,9 @@ pub struct Budget {
     pub shifting: f64,
     /// Work of surface tension.
     pub surface_tension: f64,
+    /// Potential energy by wrapping, W_p: m g·e L for each period L along −e by which a particle was put back. In a flow that its
+    /// weight drives along a periodic axis, it is the work of the weight, where the potential energy stays the same.
+    pub wrapping: f64,
     /// Energy of particles removed through open faces.
     pub removed_energy: f64,
     /// Mass of particles removed.
@@ -30,7 +33,7 @@ pub struct Budget {
     pub reflections: u64,
     /// Times that a particle ended a step inside a body, deeper than a spacing or with no way out.
     pub in_bodies: u64,
-    /// Times that a gradient was set to 0 for want of L.
+    /// Times that a particle began a step with a gradient of 0 for want of L.
     pub singular: u64,
     /// The momentum.
     pub momentum: MomentumBudget,

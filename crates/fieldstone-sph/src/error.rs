@@ -74,6 +74,28 @@ pub enum SphError {
         /// What is needed.
         needed: f64,
     },
+    /// A body at a periodic face that neither goes through the domain nor is given on both sides of the face.
+    #[error(
+        "body {body} reaches from {first} to {last} along {axis}, which is periodic from {low} to {high}, and bodies are not repeated: the fluid would miss what is across the face; keep it {reach} (the kernel's reach, 2h) away from both faces, let it go beyond both by as much, or give it a second time, shifted by {shift}"
+    )]
+    CutBody {
+        /// Index of the body, from 0.
+        body: usize,
+        /// Which axis.
+        axis: char,
+        /// Where it begins, with its displacements.
+        first: f64,
+        /// Where it ends.
+        last: f64,
+        /// The lower face.
+        low: f64,
+        /// The upper face.
+        high: f64,
+        /// The kernel's reach.
+        reach: f64,
+        /// Where another would have to be.
+        shift: f64,
+    },
     /// Two bodies that do not move alike share a place at time 0: both would push the fluid there.
     #[error(
         "bodies {first} and {second} overlap at {at:?} and do not move alike; only bodies at rest, or with the same motion, may overlap: move one of them"

@@ -1,4 +1,4 @@
-use crate::{Boundaries, DirectionName, GaugeKind, GaugeSection, Solver, SphError};
+use crate::{Boundaries, DirectionName, Flow, FluidOptions, GaugeKind, GaugeSection, Solver, SphError};
 
 /// Names of the columns of a run's table: the flow as a whole, then the gauges; `free_surface` only where a run `detects` it.
 ///
@@ -6,7 +6,7 @@ use crate::{Boundaries, DirectionName, GaugeKind, GaugeSection, Solver, SphError
 /// |---|---|
 /// | `time`, `step`, `dt`, `particles`, `free_surface` | |
 /// | `kinetic`, `potential`, `compression` | energies |
-/// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `removed_energy` | the [`Budget`](crate::Budget) |
+/// | `viscous`, `diffusive`, `boundaries`, `shifting`, `surface_tension`, `wrapping`, `removed_energy` | the [`Budget`](crate::Budget) |
 /// | `residual` | what the budget does not explain |
 /// | `removed_mass`, `reflections`, `in_bodies`, `singular` | as in the budget, since the start |
 /// | `momentum_x`, … | momentum |
@@ -27,6 +27,7 @@ pub fn gauge_columns(gauges: &[GaugeSection], detects: bool) -> Vec<String> {
         "boundaries",
         "shifting",
         "surface_tension",
+        "wrapping",
         "removed_energy",
         "residual",
         "removed_mass",
@@ -73,6 +74,7 @@ pub fn gauge_row(solver: &mut Solver, gauges: &[GaugeSection]) -> Result<Vec<f64
         budget.boundaries,
         budget.shifting,
         budget.surface_tension,
+        budget.wrapping,
         budget.removed_energy,
         solver.energy_residual(),
         budget.removed_mass,
@@ -136,14 +138,34 @@ fn to_nearest_image(solver: &Solver, from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Height of the highest particle within a spacing of the vertical through `at`, and half a spacing; the domain's
-/// floor where there is none.
+/// Coordinate of the water's surface over a place: that of the highest particle within a spacing of the line through `at`, and half a
+/// spacing; the domain's face below where there is none.
+///
+/// Up is against the largest component of gravity, where the axis is not periodic; along the last axis without gravity.
 pub fn level_over(solver: &Solver, at: [f64; 3]) -> f64 {
-    let fluid = &solver.flow().fluid;
-    let up = fluid.dimension - 1;
-    let near = |x: &&[f64; 3]| to_nearest_image(solver, **x, at)[..up].iter().all(|d| d.abs() <= fluid.spacing);
-    let highest = solver.state().x.iter().filter(near).map(|x| x[up]).fold(f64::NEG_INFINITY, f64::max);
-    if highest.is_finite() { highest + 0.5 * fluid.spacing } else { solver.flow().boundaries.low[up] }
+    let Flow { fluid, boundaries, .. } = solver.flow();
+    let (up, sign) = upwards(fluid, boundaries);
+    let near = |x: &&[f64; 3]| {
+        let d = to_nearest_image(solver, **x, at);
+        (0..3).all(|k| k == up || d[k].abs() <= fluid.spacing)
+    };
+    let highest = solver.state().x.iter().filter(near).map(|x| sign * x[up]).fold(f64::NEG_INFINITY, f64::max);
+    if highest.is_finite() {
+        sign * (highest + 0.5 * fluid.spacing)
+    } else if sign > 0.0 {
+        boundaries.low[up]
+    } else {
+        boundaries.high[up]
+    }
+}
+
+/// The axis along which levels are measured, and which way is up on it.
+fn upwards(fluid: &FluidOptions, boundaries: &Boundaries) -> (usize, f64) {
+    let gravity = boundaries.levelling(fluid.gravity);
+    // The last of equal ones.
+    let largest = (0..fluid.dimension).max_by(|&a, &b| gravity[a].abs().total_cmp(&gravity[b].abs()));
+    let up = largest.unwrap_or(fluid.dimension - 1);
+    (up, if gravity[up] > 0.0 { -1.0 } else { 1.0 })
 }
 
 /// Coordinate of the particle that is farthest along or against an axis, and half a spacing more; droplets without another particle

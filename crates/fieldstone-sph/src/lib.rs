@@ -42,6 +42,7 @@
 //! ```
 
 mod body;
+mod body_repeats;
 mod body_state;
 mod boundaries;
 mod boundary_forces;

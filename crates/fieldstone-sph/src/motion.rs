@@ -106,6 +106,15 @@ impl Motion {
         pose
     }
 
+    /// Least and largest displacement along an axis from time 0 to another.
+    pub(crate) fn range(&self, axis: usize, until: f64) -> [f64; 2] {
+        // Between rows no cubic overshoots.
+        let rows = self.times.iter().zip(&self.displacements);
+        let within = rows.filter(|(time, _)| (0.0..=until).contains(*time)).map(|(_, displacement)| displacement[axis]);
+        let ends = [0.0, until].map(|time| self.at(time).displacement[axis]);
+        within.chain(ends).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    }
+
     /// Bounds of speed and acceleration from one time to another: the root of the squares of each axis' largest.
     pub fn largest(&self, from: f64, to: f64) -> (f64, f64) {
         let (mut speed, mut acceleration) = (0.0f64, 0.0f64);

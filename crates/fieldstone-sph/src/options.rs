@@ -258,7 +258,7 @@ pub struct ShiftingOptions {
     pub n: i32,
     /// f: the paper's 2; other sources have 4, from (2h)².
     pub factor: f64,
-    /// Ma = U_max/c₀; from the expected speed where absent.
+    /// Ma = U_max/c₀; from the expected speed where absent, which then must be above 0.
     pub mach: Option<f64>,
     /// Largest shift per step over the spacing, 0.1.
     pub cap: f64,
@@ -273,6 +273,11 @@ impl Default for ShiftingOptions {
 }
 
 impl ShiftingOptions {
+    /// Ma, given or from the expected speed.
+    pub(crate) fn mach_number(&self, fluid: &FluidOptions) -> f64 {
+        self.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed)
+    }
+
     /// Checks every number.
     ///
     /// # Errors

@@ -107,7 +107,8 @@ fn system(path: &Path, source: std::io::Error) -> SphError {
 ///
 /// Time steps are never shortened to hit a time of output, so the cadence of output does not touch the result: a
 /// file is written at the first step at or after its time. With `resume` the run goes on from its checkpoint, with the
-/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew.
+/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew. The case's fills must make the
+/// particles that the run began with.
 ///
 /// # Errors
 /// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
@@ -121,7 +122,7 @@ pub fn run(
 ) -> Result<Outcome, SphError> {
     let output = &case.sections.output;
     let end = case.sections.time.end;
-    let mut solver = if resume { Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)? } else { case.solver()? };
+    let mut solver = if resume { resumed(case, folder)? } else { case.solver()? };
     if resume && solver.time() >= end {
         return Ok(Outcome::Beyond(solver.time()));
     }
@@ -166,6 +167,17 @@ pub fn run(
         }
         watch(&solver);
     }
+}
+
+/// The solver of a checkpoint, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
+fn resumed(case: &Case, folder: &RunFolder) -> Result<Solver, SphError> {
+    let solver = Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)?;
+    if solver.began_with(&case.state()?) {
+        return Ok(solver);
+    }
+    let message = "the run began with other particles than the fills make; only [time], k_cfl and the output may change: put \
+                   the fills back, or start anew in another folder";
+    Err(SphError::Checkpoint { file: folder.checkpoint().display().to_string(), message: message.into() })
 }
 
 /// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and
@@ -239,10 +251,17 @@ struct Series {
 impl Series {
     fn open(folder: &RunFolder, until: Option<f64>) -> Result<Self, SphError> {
         let mut steps = Vec::new();
-        if let Some(time) = until
-            && folder.series().exists()
-        {
-            steps = read_pvd(&folder.series())?;
+        if let Some(time) = until {
+            let frames = folder.frames()?.len();
+            if folder.series().exists() {
+                steps = read_pvd(&folder.series())?;
+            } else if frames > 0 {
+                let message = format!(
+                    "the series is missing, but there are {frames} of its files: put it back, or move particles_*.vtp away to begin \
+                     another"
+                );
+                return Err(SphError::Checkpoint { file: folder.series().display().to_string(), message });
+            }
             steps.retain(|(t, _)| *t <= time);
             for (_, file) in &mut steps {
                 *file = file.file_name().map(PathBuf::from).unwrap_or_default();
@@ -251,7 +270,7 @@ impl Series {
         Ok(Self { folder: folder.0.clone(), path: folder.series(), steps })
     }
 
-    /// Writes the next file. Numbers go on from those kept, whatever the period was: none is written over.
+    /// Writes the next file. Numbers go on from those kept, whatever the period was: none of these is written over.
     fn write(&mut self, solver: &Solver) -> Result<(), SphError> {
         let number =
             |(_, file): &(f64, PathBuf)| file.file_stem()?.to_str()?.strip_prefix("particles_")?.parse::<usize>().ok();
@@ -262,6 +281,14 @@ impl Series {
         write_pvd(&self.path, &self.steps)?;
         Ok(())
     }
+}
+
+/// Whether a line is a row of as many numbers as there are columns, up to a time: what a full disk has cut is none, also where the
+/// cut is within a number.
+fn is_row_until(line: &str, columns: usize, time: f64) -> bool {
+    let numbers: Vec<f64> = line.trim_end().split(',').map_while(|word| word.parse().ok()).collect();
+    let fields = line.split(',').count();
+    line.ends_with('\n') && numbers.len() == columns && fields == columns && numbers[0] <= time
 }
 
 /// A table that grows while the run goes on.
@@ -288,10 +315,8 @@ impl Table {
                         .into(),
                 ));
             }
-            let in_time =
-                |row: &&str| row.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_some_and(|t| t <= time);
-            for row in old.lines().skip(1).filter(in_time) {
-                kept.push_str(row);
+            for row in old.split_inclusive('\n').skip(1).filter(|row| is_row_until(row, columns.len(), time)) {
+                kept.push_str(row.trim_end());
                 kept.push('\n');
             }
         }

@@ -34,7 +34,7 @@ impl<'a, const FOUR: bool> Shift<'a, FOUR> {
     /// `share` is the time step over the one that sound alone would allow.
     pub(crate) fn new(fluid: &FluidOptions, shifting: &ShiftingOptions, share: f64, carriers: &'a [Carrier]) -> Self {
         let (kernel, h) = (fluid.kernel(), fluid.h());
-        let mach = shifting.mach.unwrap_or(fluid.expected_speed / fluid.sound_speed);
+        let mach = shifting.mach_number(fluid);
         Self {
             carriers,
             inverse_square: 1.0 / (h * h),

@@ -22,6 +22,17 @@ impl State {
         self.x.is_empty()
     }
 
+    /// A checksum of all bits.
+    pub(crate) fn fingerprint(&self) -> u32 {
+        let mut hasher = crc32fast::Hasher::new();
+        for vector in self.x.iter().chain(&self.u) {
+            vector.iter().for_each(|x| hasher.update(&x.to_le_bytes()));
+        }
+        self.density.iter().for_each(|x| hasher.update(&x.to_le_bytes()));
+        self.id.iter().for_each(|id| hasher.update(&id.to_le_bytes()));
+        hasher.finalize()
+    }
+
     /// Puts particles into another order, `order[new] = old`; those that are not in it are dropped.
     pub(crate) fn reorder(&mut self, order: &[u32]) {
         self.x = picked(&self.x, order);

@@ -1,7 +1,9 @@
 //! Case files: what ships starts as it should, and what is wrong is named with its line.
 #![allow(clippy::unwrap_used)]
 
-use fieldstone_sph::{Case, SHIPPED, Solver};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, level_over, run};
 
 fn shipped(name: &str) -> Case {
     let case = SHIPPED.iter().find(|c| c.name == name).unwrap();
@@ -119,6 +121,18 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
             "at is [5.0, 0.0]; it must be in the domain",
         ),
         ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"time\"\nkind = \"front\"", "the name 'time' is taken"),
+        (
+            "end = 10.0",
+            "end = 10.0\n[shifting]\nenabled = false\ncap = -1",
+            "c.toml:22: the largest shift over the spacing is -1",
+        ),
+        ("end = 10.0", "end = 10.0\n[shifting]\nenabled = false\nn = 0", "c.toml:22: n of the shifting is 0"),
+        ("end = 10.0", "end = 10.0\n[[gauge]]\nname = \"\"\nkind = \"front\"", "c.toml:21: the name \"\" is empty"),
+        (
+            "end = 10.0",
+            "end = 10.0\n[[gauge]]\nname = \"a\\rb\"\nkind = \"front\"",
+            "c.toml:21: the name \"a\\rb\" is empty, or holds a comma, a quote or a control character",
+        ),
         ("end = 10.0", "end = 10.0\n[shifting]\ncap = 7", "c.toml:21: the largest shift over the spacing is 7"),
         (
             "kind = \"tank\"",
@@ -282,5 +296,95 @@ fn levels_and_waves_that_gravity_does_not_allow_are_refused() {
     ] {
         let error = Case::parse(&still(gravity, &fills), "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\ninstead of {expected}");
+    }
+}
+
+#[test]
+fn shifting_without_a_mach_number_is_refused() {
+    let text = |speed: &str, rest: &str| {
+        let text = shipped("hydrostatic").text().replace("expected_speed = 1.0", &format!("expected_speed = {speed}"));
+        format!("{text}\n[shifting]\n{rest}\n")
+    };
+    let error = Case::parse(&text("0.0", ""), "c.toml").unwrap_err().to_string();
+    assert!(error.starts_with("c.toml:13: the Mach number of the shifting"), "{error}");
+    assert!(error.contains("give mach, or an expected_speed above 0"), "{error}");
+    for (speed, rest) in [("0.0", "mach = 0.05"), ("0.0", "enabled = false"), ("1.0", "")] {
+        assert!(Case::parse(&text(speed, rest), "c.toml").is_ok(), "{speed} {rest}");
+    }
+}
+
+#[test]
+fn sections_that_were_changed_stay_so_at_another_spacing() {
+    let mut case = shipped("hydrostatic");
+    case.sections.fluid.delta = 0.3;
+    case.sections.fill[0].high = Some(vec![1.0, 0.25]);
+    let finer = case.with_spacing(0.0125).unwrap();
+    assert_eq!(finer.flow().unwrap().fluid.delta, 0.3);
+    assert_eq!(finer.state().unwrap().len(), 80 * 20);
+    // Text and line numbers are those of the file, at the spacing.
+    assert_eq!(Case::parse(finer.text(), "c.toml").unwrap().sections.spacing, 0.0125);
+}
+
+#[test]
+fn sections_that_were_changed_are_checked_before_anything_is_made_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = RunFolder::create(folder.path()).unwrap();
+    type Change = fn(&mut Case);
+    let changes: [(Change, &str); 3] = [
+        (|case| case.sections.time.end = f64::NAN, "hydrostatic:19: end is NaN; it must be finite and above 0"),
+        (|case| case.sections.output.every = Some(0.0), "every is 0; it must be finite and above 0"),
+        (|case| case.sections.dimension = 4, "hydrostatic:2: the dimension is 4; it must be 2 or 3"),
+    ];
+    for (change, expected) in changes {
+        let mut case = shipped("hydrostatic");
+        change(&mut case);
+        let stop = AtomicBool::new(false);
+        let mut steps = 0;
+        let ran = run(&case, &files, false, &stop, |_| {
+            steps += 1;
+            stop.store(steps > 3, Ordering::Relaxed);
+        });
+        for error in [case.flow().unwrap_err(), case.state().unwrap_err(), ran.unwrap_err()] {
+            assert!(error.to_string().contains(expected), "{error}\ninstead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn gravity_along_a_periodic_axis_makes_no_pressure_and_no_level() {
+    // A channel that slopes down along x.
+    for (rest, level) in [("", 0.5), ("\nsurface = 0.6", 0.6)] {
+        let water = fill([0.0, 0.0], [2.0, 0.5], &format!("pressure = \"hydrostatic\"{rest}"));
+        let text = still("[1.0, -9.76]", &water).replace("high = [2, 2]\n", "high = [2, 2]\nperiodic = [\"x\"]\n");
+        for (x, p) in pressures(&text) {
+            assert!((p - 9760.0 * (level - x[1])).abs() < 1e-6, "{x:?}: {p}");
+        }
+    }
+    let lying = fill([0.0, 0.0], [2.0, 0.5], "pressure = \"hydrostatic\"\nsurface = 0.6");
+    let text = still("[1.0, 0.0]", &lying).replace("high = [2, 2]\n", "high = [2, 2]\nperiodic = [\"x\"]\n");
+    let error = Case::parse(&text, "c.toml").and_then(|c| c.state()).unwrap_err().to_string();
+    assert!(error.contains("c.toml:19: without gravity there is no level") && error.contains("periodic"), "{error}");
+}
+
+#[test]
+fn levels_are_measured_against_gravity() {
+    for (gravity, periodic, low, high, at, level) in [
+        ("[0, -9.81]", "", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        ("[0, 9.81]", "", [0.0, 1.4], [2.0, 2.0], [1.0, 0.0], 1.4),
+        ("[-9.81, 0]", "", [0.0, 0.0], [0.5, 2.0], [0.0, 1.0], 0.5),
+        ("[9.81, 0]", "", [1.4, 0.0], [2.0, 2.0], [0.0, 1.0], 1.4),
+        // The larger component counts, and one along a period does not.
+        ("[-9.81, 3]", "", [0.0, 0.0], [0.5, 2.0], [0.0, 1.0], 0.5),
+        ("[9, -3]", "periodic = [\"x\"]\n", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        ("[0, 0]", "", [0.0, 0.0], [2.0, 0.5], [1.0, 0.0], 0.5),
+        // Dry: the face that the water would lie on.
+        ("[-9.81, 0]", "", [0.0, 0.0], [0.5, 1.0], [1.0, 1.5], 0.0),
+        ("[9.81, 0]", "", [1.5, 0.0], [2.0, 1.0], [1.0, 1.5], 2.0),
+    ] {
+        let text =
+            still(gravity, &fill(low, high, "")).replace("high = [2, 2]\n", &format!("high = [2, 2]\n{periodic}"));
+        let solver = Case::parse(&text, "c.toml").unwrap().solver().unwrap();
+        let found = level_over(&solver, [at[0], at[1], 0.0]);
+        assert!((found - level).abs() < 1e-9, "{gravity}: {found} for {level}");
     }
 }

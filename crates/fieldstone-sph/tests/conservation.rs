@@ -212,3 +212,18 @@ fn detection_without_shifting_tells_the_regions_and_moves_nothing() {
         }
     }
 }
+
+#[test]
+fn a_lone_particle_is_counted_as_singular_once_per_step() {
+    for integrator in [Integrator::Symplectic, Integrator::RungeKutta4] {
+        let mut fluid = FluidOptions::new(2, 0.02, 1.0, 0.0);
+        fluid.gravity = [0.0; 3];
+        let x = vec![[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]];
+        let state = fieldstone_sph::State { u: vec![[0.0; 3]; 2], density: vec![1000.0; 2], id: vec![0, 1], x };
+        let mut flow = Flow::new(fluid, Boundaries::new([-1.0; 3], [1.0; 3], 0.02));
+        flow.time_step.integrator = integrator;
+        let mut solver = Solver::new(flow, state).unwrap();
+        (0..11).for_each(|_| assert!(solver.step().unwrap() > 0.0));
+        assert_eq!(solver.budget().singular, 22, "{integrator:?}");
+    }
+}

@@ -88,10 +88,10 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     assert!(message.contains("belongs to another flow"), "{message}");
     // What was written before keeps its name, with another version.
     let mut old = good.clone();
-    old[7] = 3;
+    old[7] = 4;
     std::fs::write(&path, &old).unwrap();
     let message = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap_err().to_string();
-    assert!(message.contains("the checkpoint has format 3, this program reads 4 only: go on with"), "{message}");
+    assert!(message.contains("the checkpoint has format 4, this program reads 5 only: go on with"), "{message}");
     for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
         bad[at] ^= 4;
@@ -225,5 +225,85 @@ fn without_detection_no_file_tells_of_a_free_surface() {
         assert!(table.column("kinetic").unwrap().iter().all(|e| *e < 10.0));
         let particles = read_vtk_particles(&space.path().join("particles_00001.vtp")).unwrap();
         assert_eq!(particles.quantity("region").is_ok(), told);
+    }
+}
+
+#[test]
+fn a_run_that_began_with_other_fills_is_not_gone_on_with() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.02), &folder, false, &never, |_| ()).unwrap();
+    let before = std::fs::read(folder.gauges()).unwrap();
+    let changes: [fn(&mut Case); 2] = [
+        |case| case.sections.fill[0].high = Some(vec![0.146, 0.146]),
+        |case| case.sections.fill[0].velocity = Some(vec![0.1, 0.0]),
+    ];
+    for change in changes {
+        let mut other = small(0.02, 0.04);
+        change(&mut other);
+        let error = run(&other, &folder, true, &never, |_| ()).unwrap_err();
+        assert!(matches!(error, SphError::Checkpoint { .. }), "{error}");
+        assert!(error.to_string().contains("began with other particles than the fills make"), "{error}");
+        assert!(error.to_string().contains("only [time], k_cfl and the output may change"), "{error}");
+    }
+    assert!(std::fs::read(folder.gauges()).unwrap() == before);
+    assert_eq!(run(&small(0.02, 0.04), &folder, true, &never, |_| ()).unwrap(), Outcome::Finished);
+    // Nor after the run has gone on.
+    let mut other = small(0.02, 0.06);
+    changes[0](&mut other);
+    assert!(run(&other, &folder, true, &never, |_| ()).is_err());
+}
+
+#[test]
+fn frames_that_no_series_lists_are_neither_written_over_nor_forgotten() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
+    let frames = || folder.frames().unwrap().iter().map(|path| std::fs::read(path).unwrap()).collect::<Vec<_>>();
+    let (before, series) = (frames(), space.path().join("kept.pvd"));
+    std::fs::rename(folder.series(), &series).unwrap();
+    let error = run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap_err().to_string();
+    assert!(error.contains("particles.pvd: the series is missing, but there are 3 of its files"), "{error}");
+    assert!(error.contains("put it back, or move particles_*.vtp away"), "{error}");
+    assert!(frames() == before);
+    std::fs::rename(&series, folder.series()).unwrap();
+    run(&small(0.02, 0.1), &folder, true, &never, |_| ()).unwrap();
+    assert!(frames()[..3] == before && read_pvd(&folder.series()).unwrap().len() == 6);
+}
+
+#[test]
+fn rows_that_a_full_disk_has_cut_are_no_rows() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    run(&small(0.02, 0.05), &folder, false, &never, |_| ()).unwrap();
+    let whole = std::fs::read_to_string(folder.gauges()).unwrap();
+    let (rest, last) = whole.trim_end().rsplit_once('\n').unwrap();
+    let fields: Vec<&str> = last.split(',').collect();
+    let damage = |cut: String| {
+        std::fs::write(folder.gauges(), cut).unwrap();
+        run(&small(0.02, 0.06), &folder, true, &never, |_| ()).unwrap();
+        let table = std::fs::read_to_string(folder.gauges()).unwrap();
+        // Back to where it was, for another cut.
+        std::fs::remove_file(folder.checkpoint()).unwrap();
+        std::fs::copy(space.path().join("checkpoint.kept"), folder.checkpoint()).unwrap();
+        table
+    };
+    std::fs::copy(folder.checkpoint(), space.path().join("checkpoint.kept")).unwrap();
+    let full = damage(whole.clone());
+    // Cut after three fields, within the time, within the last number, and with a word for a number.
+    for cut in [
+        format!("{rest}\n{}", fields[..3].join(",")),
+        format!("{rest}\n{}\n", fields[..3].join(",")),
+        format!("{rest}\n{}", &fields[0][..3]),
+        format!("{rest}\n{}", &last[..last.len() - 1]),
+        format!("{rest}\n{}\n", last.replacen(fields[3], "none", 1)),
+    ] {
+        let table = damage(cut);
+        let found: Vec<&str> = table.lines().collect();
+        let expected: Vec<&str> = full.lines().filter(|line| *line != last).collect();
+        assert_eq!(found, expected);
     }
 }

@@ -12,8 +12,8 @@ const MOST_PARTICLES: f64 = (1u64 << 28) as f64;
 const FASTEST_BODY: f64 = 0.25;
 
 impl Case {
-    /// Checks what one section says, and what sections say of each other.
-    pub(super) fn check(&self) -> Result<(), SphError> {
+    /// Checks what one section says, and what sections say of each other: the flow that they make.
+    pub(super) fn check(&self) -> Result<Flow, SphError> {
         let s = &self.sections;
         if !matches!(s.dimension, 2 | 3) {
             return Err(self.fault("", 0, "dimension", format!("the dimension is {}; it must be 2 or 3", s.dimension)));
@@ -54,13 +54,22 @@ impl Case {
             let taken = gauge_columns(&s.gauge[..nth], true);
             let of_flow = gauge_columns(&[], true).len();
             let own = gauge_columns(std::slice::from_ref(gauge), true).split_off(of_flow);
-            if gauge.name.contains([',', '"', '\n']) || own.iter().any(|name| taken.contains(name)) {
-                let message = format!("the name '{}' is taken or holds a comma or quote; give another", gauge.name);
-                return Err(self.fault("gauge", nth, "name", message));
-            }
+            let is_no_name = |c: char| matches!(c, ',' | '"') || c.is_control();
+            let message = if gauge.name.trim().is_empty() || gauge.name.contains(is_no_name) {
+                format!(
+                    "the name {:?} is empty, or holds a comma, a quote or a control character; give another",
+                    gauge.name
+                )
+            } else if own.iter().any(|name| taken.contains(name)) {
+                format!("the name '{}' is taken; give another", gauge.name)
+            } else {
+                continue;
+            };
+            return Err(self.fault("gauge", nth, "name", message));
         }
         self.check_size()?;
-        self.check_motions(&self.flow()?)?;
+        let flow = self.assembled()?;
+        self.check_motions(&flow)?;
         // The lattice of the start would be torn where it meets its own image.
         for &axis in &s.domain.periodic {
             let length = s.domain.high[axis as usize] - s.domain.low[axis as usize];
@@ -74,7 +83,7 @@ impl Case {
                 return Err(self.fault("domain", 0, "high", message));
             }
         }
-        Ok(())
+        Ok(flow)
     }
 
     fn check_domain(&self) -> Result<(), SphError> {
@@ -104,13 +113,9 @@ impl Case {
     }
 
     /// Whether gravity lets a fill begin as it says: with a wave, or below a level.
-    pub(super) fn check_gravity(
-        &self,
-        nth: usize,
-        bounds: ([f64; 3], [f64; 3]),
-        fluid: &FluidOptions,
-    ) -> Result<(), SphError> {
-        let (fill, gravity) = (&self.sections.fill[nth], fluid.gravity);
+    pub(super) fn check_gravity(&self, nth: usize, bounds: ([f64; 3], [f64; 3]), flow: &Flow) -> Result<(), SphError> {
+        let (fill, gravity) = (&self.sections.fill[nth], flow.fluid.gravity);
+        let levelling = flow.boundaries.levelling(gravity);
         let up = self.up();
         let downwards = gravity[up] < 0.0 && (0..up).all(|k| gravity[k] == 0.0);
         if fill.flow == FlowName::StandingWave && !downwards {
@@ -122,11 +127,12 @@ impl Case {
             return Err(self.fault("fill", nth, "flow", message));
         }
         let Some(surface) = fill.surface else { return Ok(()) };
-        if gravity == [0.0; 3] {
-            let message = "without gravity there is no level; remove surface, or give gravity";
+        if levelling == [0.0; 3] {
+            let message = "without gravity there is no level, and along a periodic axis it does not count; remove surface, or give \
+                           gravity";
             return Err(self.fault("fill", nth, "surface", message));
         }
-        let top = top_level(bounds, gravity);
+        let top = top_level(bounds, levelling);
         let extent = (0..3).map(|k| bounds.1[k] - bounds.0[k]).fold(0.0, f64::max);
         // A level at the top may come rounded.
         if surface < top - 1e-9 * extent {
@@ -174,8 +180,9 @@ impl Case {
         Ok(())
     }
 
-    /// Refuses tables of motion that are too fast for the fluid: units that do not fit.
+    /// Refuses tables of motion that are too fast for the fluid, units that do not fit, or that lead to a periodic face.
     fn check_motions(&self, flow: &Flow) -> Result<(), SphError> {
+        flow.boundaries.check_repeats(&flow.fluid, self.sections.time.end).map_err(|e| self.placed(e))?;
         for (nth, body) in flow.boundaries.bodies.iter().enumerate() {
             let Some(motion) = &body.motion else { continue };
             let (speed, _) = motion.largest(0.0, self.sections.time.end);

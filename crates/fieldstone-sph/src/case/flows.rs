@@ -18,14 +18,16 @@ pub(super) fn top_level((low, high): ([f64; 3], [f64; 3]), gravity: [f64; 3]) ->
 impl FillSection {
     /// Velocity and pressure at a point of a fill between two corners; `up` is the last axis, along which waves stand.
     ///
-    /// Hydrostatic pressure is p = ρ₀ g·(x − x_top) + ρ₀ |g| (L − L_top) with the corner x_top that is farthest against g, its
-    /// height L_top along −g, and the level L of the `surface`; L_top where that is absent.
+    /// Hydrostatic pressure is p = ρ₀ g·(x − x_top) + ρ₀ |g| (L − L_top) with the part g of `levelling` gravity, along no periodic axis,
+    /// the corner x_top that is farthest against g, its height L_top along −g, and the level L of the `surface`; L_top where that is
+    /// absent.
     pub(super) fn initial(
         &self,
         x: [f64; 3],
         bounds: ([f64; 3], [f64; 3]),
         up: usize,
         fluid: &FluidOptions,
+        levelling: [f64; 3],
     ) -> ([f64; 3], f64) {
         let (low, high) = bounds;
         let top = high[up];
@@ -62,11 +64,11 @@ impl FillSection {
             Pressure::Uniform(p) => p,
             Pressure::Named(PressureName::Flow) => pressure,
             Pressure::Named(PressureName::Hydrostatic) => {
-                let below = |k: usize| if fluid.gravity[k] > 0.0 { x[k] - low[k] } else { high[k] - x[k] };
-                let weight: f64 = (0..3).map(|k| fluid.density * fluid.gravity[k].abs() * below(k)).sum();
+                let below = |k: usize| if levelling[k] > 0.0 { x[k] - low[k] } else { high[k] - x[k] };
+                let weight: f64 = (0..3).map(|k| fluid.density * levelling[k].abs() * below(k)).sum();
                 // Without a level nothing is added: not even what rounding makes of it.
-                let above = self.surface.map_or(0.0, |level| level - top_level(bounds, fluid.gravity));
-                weight + fluid.density * size(fluid.gravity) * above
+                let above = self.surface.map_or(0.0, |level| level - top_level(bounds, levelling));
+                weight + fluid.density * size(levelling) * above
             }
         };
         (velocity, pressure)

@@ -43,7 +43,8 @@ use sections::{ShapeKeys, SurfaceKeys};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What the file says.
+    /// What the file says; may be changed, and is checked before anything is made of it. Messages then name the line where the file
+    /// has, or would have, what is wrong.
     pub sections: Sections,
     text: String,
     file: String,
@@ -123,7 +124,7 @@ impl Case {
         Ok(case)
     }
 
-    /// The text it was parsed from.
+    /// The text it was parsed from; what was changed in the sections since, but for the spacing, is not in it.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -142,7 +143,8 @@ impl Case {
         toml::to_string(&self.sections).unwrap_or_else(|_| self.text.clone())
     }
 
-    /// The same case at another spacing.
+    /// The same case at another spacing, with its [`sections`](Self::sections) as they are now and the [`text`](Self::text) that it
+    /// was parsed from.
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
@@ -153,8 +155,12 @@ impl Case {
             .text
             .lines()
             .map(|line| if is_key(line) { format!("spacing = {spacing}\n") } else { format!("{line}\n") });
-        let case = Self::parse(&lines.collect::<String>(), &self.file)?;
-        if case.sections.spacing == spacing {
+        let mut case = Self { text: lines.collect(), ..self.clone() };
+        case.sections.spacing = spacing;
+        case.read_surfaces()?;
+        case.check()?;
+        // The text has to say what the sections do.
+        if toml::from_str::<Sections>(&case.text).is_ok_and(|said| said.spacing.to_bits() == spacing.to_bits()) {
             return Ok(case);
         }
         Err(self.fault("", 0, "spacing", "the spacing cannot be changed here; give it as a line `spacing = …`"))
@@ -175,6 +181,11 @@ impl Case {
     /// # Errors
     /// [`SphError::Case`] with the line of what does not fit.
     pub fn flow(&self) -> Result<Flow, SphError> {
+        self.check()
+    }
+
+    /// What the sections say as a flow, which is checked by itself.
+    fn assembled(&self) -> Result<Flow, SphError> {
         let s = &self.sections;
         let f = &s.fluid;
         for (key, value) in [("expected_speed", f.expected_speed), ("expected_pressure", f.expected_pressure)] {
@@ -222,17 +233,18 @@ impl Case {
                 return Err(self.fault("shifting", 0, "detection", message));
             }
             flow.detection = Some(method);
-            if shifting.enabled {
-                flow.shifting = Some(ShiftingOptions {
-                    k_cfl: shifting.k_cfl.unwrap_or(s.time.cfl),
-                    r: shifting.r,
-                    n: shifting.n,
-                    factor: shifting.factor,
-                    mach: shifting.mach,
-                    cap: shifting.cap,
-                    nearest_counts: shifting.nearest_counts,
-                });
-            }
+            let options = ShiftingOptions {
+                k_cfl: shifting.k_cfl.unwrap_or(s.time.cfl),
+                r: shifting.r,
+                n: shifting.n,
+                factor: shifting.factor,
+                mach: shifting.mach,
+                cap: shifting.cap,
+                nearest_counts: shifting.nearest_counts,
+            };
+            // What is switched off is right, too, before it is switched on.
+            options.validate().map_err(|e| self.placed(e))?;
+            flow.shifting = shifting.enabled.then_some(options);
         }
         flow.validate().map_err(|e| self.placed(e))?;
         Ok(flow)
@@ -243,6 +255,7 @@ impl Case {
         let (section, nth, key) = match &error {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
             SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
+            SphError::CutBody { body, .. } => ("body", *body, "shape"),
             SphError::Overlapping { second, .. } => ("body", *second, "shape"),
             SphError::TooNarrow { .. } => ("domain", 0, "high"),
             SphError::SameSide { second, .. } => ("wall", self.section_of_wall(*second), "kind"),
@@ -269,6 +282,9 @@ impl Case {
                 "n of the shifting" => ("shifting", 0, "n"),
                 "the factor of the shifting" => ("shifting", 0, "factor"),
                 "the Mach number of the shifting" => ("shifting", 0, "mach"),
+                "the Mach number of the shifting, expected speed over speed of sound," => {
+                    ("fluid", 0, "expected_speed")
+                }
                 "the largest shift over the spacing" => ("shifting", 0, "cap"),
                 _ => ("shifting", 0, ""),
             },
@@ -429,7 +445,8 @@ impl Case {
             let shape = self.shape("fill", nth, &fill.keys())?;
             let (points, _) = shape.lattice(s.spacing, s.dimension);
             let bounds = shape.bounds();
-            self.check_gravity(nth, bounds, &flow.fluid)?;
+            self.check_gravity(nth, bounds, &flow)?;
+            let levelling = flow.boundaries.levelling(flow.fluid.gravity);
             let before = state.len();
             for x in points {
                 if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
@@ -446,7 +463,7 @@ impl Case {
                     let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
                     return Err(self.fault("fill", nth, "shape", message));
                 }
-                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid);
+                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid, levelling);
                 state.x.push(x);
                 state.u.push(velocity);
                 state.density.push(flow.fluid.density_at(pressure));

@@ -286,7 +286,7 @@ pub enum Pressure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PressureName {
-    /// ρ₀ |g| times the depth, along gravity, below the fill's top or its `surface`.
+    /// ρ₀ |g| times the depth, along gravity, below the fill's top or its `surface`; gravity along periodic axes left out.
     Hydrostatic,
     /// That of the fill's flow.
     Flow,
@@ -546,7 +546,7 @@ impl Default for OutputSection {
 pub enum GaugeKind {
     /// Mean pressure, by the kernel, of the fluid around `at`; 0 where it is dry.
     Pressure,
-    /// Highest particle in the column of half-width Δx over `at`, and half a spacing.
+    /// Highest particle in the column of half-width Δx over `at`, against gravity, and half a spacing.
     Level,
     /// Farthest particle along `axis`, or against it, that has others within 1.5 Δx, and half a spacing.
     Front,

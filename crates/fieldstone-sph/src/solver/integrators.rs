@@ -114,6 +114,5 @@ impl Solver {
         let mass = self.state.len() as f64 * fluid.particle_mass();
         accumulate(&mut momentum.weight, dt * mass, fluid.gravity);
         accumulate(&mut momentum.surface_tension, dt, self.stage.tension_force);
-        self.budget.singular += self.stage.gradients.par_iter().filter(|g| g[3] != 0.0).count() as u64;
     }
 }

@@ -52,7 +52,8 @@ impl Flow {
     /// Checks every option.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`].
+    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`],
+    /// [`SphError::CutBody`], [`SphError::Overlapping`].
     pub fn validate(&self) -> Result<(), SphError> {
         self.fluid.validate()?;
         self.time_step.validate()?;
@@ -65,6 +66,13 @@ impl Flow {
         self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
         if let Some(shifting) = &self.shifting {
             shifting.validate()?;
+            let mach = shifting.mach_number(&self.fluid);
+            check(
+                "the Mach number of the shifting, expected speed over speed of sound,",
+                mach,
+                shifting.mach.is_some() || mach > 0.0,
+                "above 0, or nothing is shifted: give mach, or an expected_speed above 0",
+            )?;
         }
         Ok(())
     }
@@ -149,6 +157,8 @@ pub struct Solver {
     /// Step from which on the particles are put in order when neighbours are listed.
     order_due: u64,
     budget: Budget,
+    /// Fingerprint of the state at time 0.
+    began: u32,
 }
 
 /// What a solver is restarted from, beside its flow.
@@ -165,6 +175,7 @@ pub(crate) struct Snapshot {
     pub(crate) lists_due: bool,
     pub(crate) order_due: u64,
     pub(crate) budget: Budget,
+    pub(crate) began: u32,
 }
 
 impl Solver {
@@ -174,7 +185,9 @@ impl Solver {
     /// As [`Flow::validate`]; [`SphError::Length`], and [`SphError::Broken`] for a state that is not one.
     pub fn new(flow: Flow, state: State) -> Result<Self, SphError> {
         flow.validate()?;
+        let began = state.fingerprint();
         let mut solver = Self::with(flow, state)?;
+        solver.began = began;
         solver.check_particles()?;
         let energies = solver.energies();
         solver.budget.start = energies.total();
@@ -215,6 +228,7 @@ impl Solver {
             lists_due: true,
             order_due: 0,
             budget: Budget::default(),
+            began: 0,
             flow,
             state,
         })
@@ -231,6 +245,7 @@ impl Solver {
         solver.lists_due = snapshot.lists_due;
         solver.order_due = snapshot.order_due;
         solver.budget = snapshot.budget;
+        solver.began = snapshot.began;
         if !snapshot.lists_due {
             solver.stage.place_bodies(snapshot.listed_at, &solver.flow);
             solver.stage.build(&snapshot.built_at, &solver.flow)?;
@@ -251,7 +266,13 @@ impl Solver {
             lists_due: self.lists_due,
             order_due: self.order_due,
             budget: self.budget,
+            began: self.began,
         }
+    }
+
+    /// Whether the state at time 0 was this one, to the bit; also after a restart.
+    pub fn began_with(&self, state: &State) -> bool {
+        self.began == state.fingerprint()
     }
 
     /// The flow.
@@ -312,7 +333,8 @@ impl Solver {
     /// What the energy budget does not explain: the error of time integration.
     pub fn energy_residual(&self) -> f64 {
         let b = &self.budget;
-        let gains = b.viscous + b.diffusive + b.boundaries + b.shifting + b.surface_tension - b.removed_energy;
+        let gains =
+            b.viscous + b.diffusive + b.boundaries + b.shifting + b.surface_tension + b.wrapping - b.removed_energy;
         self.energies().total() - b.start - gains
     }
 
@@ -462,8 +484,11 @@ impl Solver {
         }
         self.stage.place_bodies(self.time, &self.flow);
         let before = self.stage.displacement(&self.state.x);
+        let listed = self.stage.phases.lists_built;
         self.evaluate()?;
         let mut clock = Instant::now();
+        // Here and not with what is booked in every stage, of which integrators have different numbers.
+        self.budget.singular += self.stage.gradients.par_iter().filter(|g| g[3] != 0.0).count() as u64;
         let (dt, share) = self.step_length();
         self.stage.phases.add(Phase::Rest, &mut clock);
         match self.flow.time_step.integrator {
@@ -489,10 +514,19 @@ impl Solver {
         }
         clock = Instant::now();
         let after = self.stage.displacement(&self.state.x);
-        self.lists_due = removed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
+        // Lists made between the stages follow particles beyond a period: for those that are fast, nothing would ever be due.
+        let followed = self.stage.phases.lists_built > listed && self.is_beyond_a_period();
+        self.lists_due = removed || followed || 2.0 * (after + 1.2 * (after - before).max(0.0)) > self.stage.skin;
         self.stage.phases.steps += 1;
         self.stage.phases.add(Phase::Rest, &mut clock);
         Ok(dt)
+    }
+
+    /// Whether a particle is to be wrapped.
+    fn is_beyond_a_period(&self) -> bool {
+        let Boundaries { low, high, periodic, .. } = &self.flow.boundaries;
+        let beyond = |x: &[f64; 3]| (0..3).any(|k| periodic[k] && !(low[k]..high[k]).contains(&x[k]));
+        periodic.contains(&true) && self.state.x.par_iter().any(beyond)
     }
 
     /// Wraps periodic positions, puts the particles in order where that is due, and lists neighbours.
@@ -500,13 +534,19 @@ impl Solver {
         let Boundaries { low, high, periodic, .. } = self.flow.boundaries;
         for axis in (0..3).filter(|&k| periodic[k]) {
             let length = high[axis] - low[axis];
+            // Periods by which particles are put back, those along the axis less those against it.
+            let mut periods = 0i64;
             for x in &mut self.state.x {
                 if x[axis] < low[axis] {
                     x[axis] += length;
+                    periods -= 1;
                 } else if x[axis] >= high[axis] {
                     x[axis] -= length;
+                    periods += 1;
                 }
             }
+            let fluid = &self.flow.fluid;
+            self.budget.wrapping += fluid.particle_mass() * fluid.gravity[axis] * length * periods as f64;
         }
         if self.steps >= self.order_due {
             let order = spatial_order(&self.state.x);

@@ -119,3 +119,8 @@ pub fn standing_wave(depth: f64, length: f64, amplitude: f64, dx: f64, viscosity
     let state = state(&[block], &fluid, velocity, |x| 9810.0 * (depth - x[1]));
     Wave { flow: Flow::new(fluid, boundaries), state, k, frequency }
 }
+
+/// Whether a relative error is still the one that the documentation quotes: to a quarter of it, and to 0.3 % where it is small.
+pub fn as_recorded(found: f64, recorded: f64) -> bool {
+    (found - recorded).abs() <= (0.25 * recorded.abs()).max(0.003)
+}
