@@ -6,7 +6,7 @@ mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use common::{alone, bits, dam_break, ramped, run_alone as run, state, tank};
+use common::{alone, as_recorded, bits, dam_break, ramped, run_alone as run, state, tank};
 use fieldstone_sph::{
     Body, Case, Flow, FluidOptions, Motion, Outcome, RunFolder, Shape, ShiftingOptions, Slip, Solver, SphError,
     Viscosity, run as run_case,
@@ -67,7 +67,8 @@ fn a_piston_drives_a_bore_of_the_height_and_the_force_of_shallow_water() {
     let pushed = (force - rest) / (expected_force - rest) - 1.0;
     println!("bore: relative errors of the rise {raised:.3}, of the force beyond rest {pushed:.3}");
     assert!(raised.abs() < 0.1, "{raised}");
-    assert!(pushed.abs() < 0.15, "{pushed}");
+    assert!(pushed.abs() < 0.1, "{pushed}");
+    assert!(long || as_recorded(raised, -0.009) && as_recorded(pushed, 0.023), "{raised} {pushed}");
     // To first order in U/√(gH), too.
     assert!((height / (depth * (1.0 + speed / celerity)) - 1.0).abs() < 0.015);
 }
@@ -131,7 +132,7 @@ fn a_plate_that_slides_over_the_fluid_starts_the_flow_of_couette() {
     println!("Couette: mean velocity {means:?} of {expected}");
     // But for the unevenness of its lattice, which passes by.
     assert!(means[0].abs() < 1e-5, "a plate with slip drags nothing: {means:?}");
-    assert!((means[1] / expected - 1.0).abs() < 0.05, "{means:?} {expected}");
+    assert!(as_recorded(means[1] / expected - 1.0, -0.017), "{means:?} {expected}");
 }
 
 #[test]
@@ -258,7 +259,7 @@ fn a_run_with_a_gate_that_was_stopped_and_resumed_ends_with_the_same_bits() {
     let held: Vec<f64> = time.iter().zip(&force).filter(|(t, _)| (0.05..0.1).contains(*t)).map(|x| *x.1).collect();
     let mean = held.iter().sum::<f64>() / held.len() as f64;
     println!("gate: force {mean} of {}", 0.5 * 9810.0 * 0.09);
-    assert!((mean / (0.5 * 9810.0 * 0.09) - 1.0).abs() < 0.1, "{mean}");
+    assert!(as_recorded(mean / (0.5 * 9810.0 * 0.09) - 1.0, 0.005), "{mean}");
     let end = Solver::read_checkpoint(&whole.checkpoint(), by_file.flow().unwrap()).unwrap();
     let body = &end.flow().boundaries.bodies[0];
     let moved = body.pose(end.time()).displacement;
