@@ -538,7 +538,7 @@ impl Case {
     /// # use fieldstone_sph::Case;
     /// let case = Case::parse(
     ///     "dimension = 3\nspacing = 0.1\n[domain]\nlow = [0, 0, 0]\nhigh = [1, 1, 1]\n[fluid]\ndensity = 1000\nexpected_speed = 1\n\
-    ///      expected_pressure = 0\n[time]\nend = 1\n[[fill]]\nshape = \"sphere\"\ncentre = [0.5, 0.5, 0.5]\nradius = 0.3\n",
+    ///      expected_pressure = 0\ngravity = [0, 0, 0]\n[time]\nend = 1\n[[fill]]\nshape = \"sphere\"\ncentre = [0.5, 0.5, 0.5]\nradius = 0.3\n",
     ///     "ball.toml",
     /// )?;
     /// // 136 particles of a cubic decimetre in a ball of 113.
