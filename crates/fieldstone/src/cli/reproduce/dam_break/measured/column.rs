@@ -45,10 +45,12 @@ pub(super) fn section(flow: &FlowRun, folder: &Path, data: &Path) -> anyhow::Res
 
     let resolution = WIDTH / flow.case.sections.spacing;
     let mut text = format!(
-        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = {resolution:.0}, in two dimensions; front Z = x/a \
+        "## Collapsing column\n\n![Front and height](column.png)\n\nA column 1 × 2, a/Δx = {resolution:.0}, in two dimensions, on a floor \
+         without slip, with a viscosity that was chosen with the curves at hand ({}); front Z = x/a \
          and height H over T = t √(2g/a). Root mean square of computed over measured − 1, and the front's mean speed dZ/dT from \
          Z = 1.8 to 3.8, which does not depend on how the gate opened; that of the computation opens at once:\n\n\
          | measurement | points | RMS | speed, computed | measured | error |\n|---|---|---|---|---|---|\n",
+        flow.settings(),
     );
     for (name, curve, ours) in
         fronts.iter().map(|(n, c)| (*n, c, &front)).chain([("Martin and Moyce, height, table 6", &heights, &height)])

@@ -1,4 +1,4 @@
-//! Flows that were measured, beside the measurements: no time is shifted, no parameter fitted.
+//! Flows that were measured, beside the measurements: no time is shifted.
 //!
 //! Buchner's and SPHERIC's go without particle shifting, with which the pressure on Buchner's wall rises later and stays lower; the
 //! column has it, or gaps open in the water that slows down. The column's floor has friction, with the one viscosity that was chosen with
