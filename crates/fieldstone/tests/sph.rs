@@ -114,7 +114,8 @@ fn check_tells_by_how_much_fills_are_too_heavy() {
     quiet("odd.toml");
     // A second fill of whole spacings: its particles are now too light, those of the first too heavy.
     let second = "[[fill]]\nshape = \"box\"\nlow = [0.0, 0.5]\nhigh = [0.5, 0.75]\n\n[[wall]]";
-    folder.write("two.toml", text.replace("high = [1.0, 0.5]", "high = [1.0, 0.49]").replace("[[wall]]", second));
+    let two = text.replace("high = [1.0, 0.5]", "high = [1.0, 0.49]").replace("[[wall]]", second);
+    folder.write("two.toml", two.replace("end = 10.0", "end = 0.01"));
     for command in ["sph check two.toml", "sph run two.toml"] {
         let told = folder.succeeds(command).stderr;
         // By 0.00246 m² over 0.0025 m².
