@@ -219,20 +219,23 @@ impl Body {
 
     /// Whether a point lies in it at a time.
     pub fn contains(&self, x: [f64; 3], time: f64, dimension: usize) -> bool {
-        let moved = self.pose(time).displacement;
-        self.shape.contains(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+        self.shape.contains(self.as_at_rest(x, time), dimension)
     }
 
     /// Unit vector along which a point inside leaves it soonest at a time.
     pub(crate) fn way_out(&self, x: [f64; 3], time: f64, dimension: usize) -> [f64; 3] {
-        let moved = self.pose(time).displacement;
-        self.shape.way_out(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+        self.shape.way_out(self.as_at_rest(x, time), dimension)
     }
 
     /// Distance into it from its surface at a time; negative outside.
     pub(crate) fn depth(&self, x: [f64; 3], time: f64, dimension: usize) -> f64 {
+        self.shape.depth(self.as_at_rest(x, time), dimension)
+    }
+
+    /// A point at a time, where it would be had the body not moved.
+    fn as_at_rest(&self, x: [f64; 3], time: f64) -> [f64; 3] {
         let moved = self.pose(time).displacement;
-        self.shape.depth(std::array::from_fn(|k| x[k] - moved[k]), dimension)
+        std::array::from_fn(|k| x[k] - moved[k])
     }
 
     /// Whether both stay where they are to each other.

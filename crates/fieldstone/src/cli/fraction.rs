@@ -44,9 +44,9 @@ pub(crate) struct Fraction {
     ///
     /// Exact: kernel, for any cells and sizes, to 1e-12 of the smaller volume; kernel-f64, the same without the promise,
     /// much faster for balls many times larger than cells; decomposition, an independent check. Approximations in use elsewhere:
-    /// centre, the whole ball to the cell of its centre, on a common face the upper cell of a grid and the first of a mesh; centre-smoothed, then averaged with the face neighbours, which
-    /// does not conserve volume; cube of equal volume; divided, 29 points; sampled:N, a regular grid of about N points
-    /// in the ball; monte-carlo:N, N random points, the same in every run.
+    /// centre, the whole ball to the cell of its centre, on a common face the upper cell of a grid and the first of a mesh;
+    /// centre-smoothed, then averaged with the face neighbours, which does not conserve volume; cube of equal volume; divided,
+    /// 29 points; sampled:N, a regular grid of about N points in the ball; monte-carlo:N, N random points, the same in every run.
     #[arg(long, default_value = "kernel")]
     method: Method,
     /// Result: .vtu (mesh), .vti (grid), .csv (either), or an OpenFOAM time folder such as CASE/0
