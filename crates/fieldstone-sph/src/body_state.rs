@@ -1,9 +1,10 @@
 //! What the ghosts of bodies take over from the fluid nearby.
 
+use fieldstone_surface::WendlandC2;
 use rayon::prelude::*;
 
+use crate::FluidOptions;
 use crate::points::{BodyState, Kind, Points};
-use crate::{FluidOptions, WendlandC2};
 
 /// Share of the kernel's volume below which a ghost counts as dry.
 const DRY: f64 = 1e-6;
@@ -98,7 +99,7 @@ fn for_each_fluid(points: &Points, kernel: &WendlandC2, body: usize, mut visit: 
         }
         let carrier = &points.carriers[j];
         let squared = (0..3).map(|k| (carrier[k] - at[k]).powi(2)).sum::<f64>();
-        let w = kernel.value(squared.sqrt());
+        let w = kernel.value_at_square(squared);
         if w > 0.0 {
             visit(j, w);
         }

@@ -114,7 +114,7 @@ pub fn pressure_at(solver: &Solver, at: [f64; 3]) -> f64 {
         let d = to_nearest_image(solver, *x, at);
         let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         if squared < kernel.reach() * kernel.reach() {
-            let w = kernel.value(squared.sqrt()) * fluid.particle_mass() / density;
+            let w = kernel.value_at_square(squared) * fluid.particle_mass() / density;
             let rest: f64 = (0..3).map(|k| fluid.gravity[k] * d[k]).sum();
             weight += w;
             sum += w * (fluid.pressure(*density) + fluid.density * rest);

@@ -56,7 +56,6 @@ mod energy;
 mod error;
 mod gauges;
 mod ghosts;
-mod kernel;
 mod motion;
 mod neighbour_count;
 mod neighbour_list;
@@ -85,10 +84,12 @@ pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};
 pub use error::SphError;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};
-pub use kernel::WendlandC2;
 pub use motion::{Motion, Pose};
 pub use options::{FluidOptions, Integrator, ShiftingOptions, TimeStepOptions, Viscosity, sound_speed_bound};
 pub use phases::{Phase, Phases};
 pub use run::{Outcome, RunFolder, particles_of, run};
 pub use solver::{Flow, Solver};
 pub use state::State;
+
+#[doc(inline)]
+pub use fieldstone_surface::WendlandC2;

@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use crate::fluid_region::FluidRegion;
 use crate::kernel::{Kernel, Smoothing};
 use crate::level_set::check_three_dimensions;
-use crate::{NodeField, Nodes, SurfaceError, Surroundings};
+use crate::{NodeField, Nodes, SurfaceError, Surroundings, WendlandC2};
 
 /// The share of space that the particles' volumes fill, smoothed: 1 inside the fluid, 0 outside, ½ on the surface.
 ///
@@ -46,13 +46,13 @@ pub fn density_field(
     let reach = smoothing.support() * spacing;
     let points = surroundings.grid(positions, reach)?;
     let region = FluidRegion::new(surroundings, reach);
-    let kernel = Wendland::new(smoothing_length * spacing);
+    let kernel = WendlandC2::new(smoothing_length * spacing, 3);
     let value = |node: usize| -> (f64, bool) {
         let at = nodes.position(node);
         let mut sum = 0.0;
         // The reach is the grid's own.
         let _ = points.for_each_within(at, reach, |particle, _, squared| {
-            sum += volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.at(squared);
+            sum += volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.value_at_square(squared);
         });
         if !region.has_limits() {
             return (sum, false);
@@ -82,24 +82,4 @@ pub(crate) fn checked_volumes<'a>(
         return Err(SurfaceError::Length { name: "the volume", found: volumes.len(), expected: positions.len() });
     }
     Ok(volumes)
-}
-
-/// W of Wendland C2 in three dimensions.
-pub(crate) struct Wendland {
-    inverse_length: f64,
-    factor: f64,
-}
-
-impl Wendland {
-    pub(crate) fn new(h: f64) -> Self {
-        Self { inverse_length: 1.0 / h, factor: 21.0 / (16.0 * std::f64::consts::PI * h * h * h) }
-    }
-
-    /// At a distance whose square is given.
-    #[inline(always)]
-    pub(crate) fn at(&self, squared: f64) -> f64 {
-        let q = squared.sqrt() * self.inverse_length;
-        let left = (1.0 - 0.5 * q).max(0.0);
-        self.factor * (1.0 + 2.0 * q) * (left * left) * (left * left)
-    }
 }

@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use crate::SurfaceError;
+use crate::{SurfaceError, WendlandC2};
 
 /// Particles that are looked at.
 const SAMPLE: u64 = 256;
@@ -58,14 +58,11 @@ pub fn estimate_spacing(positions: &[[f64; 3]], dimension: usize) -> Result<Opti
     if guess.is_nan() || guess <= 0.0 {
         return Ok(None);
     }
-    let h = 2.0 * guess;
-    let pi = std::f64::consts::PI;
-    let factor = if dimension == 2 { 7.0 / (4.0 * pi * h * h) } else { 21.0 / (16.0 * pi * h * h * h) };
-    let kernel = |squared: f64| {
-        let q = squared.sqrt() / h;
-        if q < 2.0 { factor * (1.0 + 2.0 * q) * (1.0 - 0.5 * q).powi(4) } else { 0.0 }
-    };
-    let mut densities: Vec<f64> = sample.par_iter().map(|at| squares(at).into_iter().map(kernel).sum()).collect();
+    let kernel = WendlandC2::new(2.0 * guess, dimension);
+    let mut densities: Vec<f64> = sample
+        .par_iter()
+        .map(|at| squares(at).into_iter().map(|squared| kernel.value_at_square(squared)).sum())
+        .collect();
     densities.sort_unstable_by(f64::total_cmp);
     // At the surface half of the neighbours are missing; clumps have too many.
     let inner = densities[(densities.len() - 1) * 9 / 10];

@@ -1,4 +1,4 @@
-use crate::SurfaceError;
+use crate::{SurfaceError, WendlandC2};
 
 /// A smoothing kernel W(r, h).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,16 +70,14 @@ pub(crate) struct Slope {
 
 impl Slope {
     pub(crate) fn new(kernel: Kernel, h: f64, dimension: usize) -> Self {
-        let pi = std::f64::consts::PI;
-        let volume = h.powi(dimension as i32);
         let factor = match kernel {
-            Kernel::WendlandC2 if dimension == 2 => 5.0 * 7.0 / (4.0 * pi * volume),
-            Kernel::WendlandC2 => 5.0 * 21.0 / (16.0 * pi * volume),
+            Kernel::WendlandC2 => WendlandC2::new(h, dimension).slope_factor(),
             Kernel::ImprovedGaussian => {
-                2.0 / (pi.powf(0.5 * dimension as f64) * volume * (1.0 - 10.0 * (-9.0f64).exp()))
+                let volume = (std::f64::consts::PI.sqrt() * h).powi(dimension as i32);
+                2.0 / (volume * (1.0 - 10.0 * (-9.0f64).exp()) * (h * h))
             }
         };
-        Self { kernel, inverse_square: 1.0 / (h * h), factor: factor / (h * h) }
+        Self { kernel, inverse_square: 1.0 / (h * h), factor }
     }
 
     /// Fills `slopes` with g at the distances whose squares are given.

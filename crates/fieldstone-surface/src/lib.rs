@@ -67,6 +67,7 @@ mod triangle_mesh;
 mod umbrella;
 mod walls;
 mod wang;
+mod wendland_c2;
 
 pub use comparison::Comparison;
 pub use cone::ScanningCone;
@@ -100,3 +101,4 @@ pub use surroundings::Surroundings;
 pub use triangle_mesh::{Topology, TriangleMesh};
 pub use walls::{Wall, wall_images};
 pub use wang::Wang;
+pub use wendland_c2::WendlandC2;

@@ -1,10 +1,10 @@
 use glam::{DMat4, DVec4};
 use rayon::prelude::*;
 
-use crate::density_field::{Wendland, checked_volumes};
+use crate::density_field::checked_volumes;
 use crate::kernel::{Kernel, Smoothing};
 use crate::level_set::check_three_dimensions;
-use crate::{SurfaceError, Surroundings};
+use crate::{SurfaceError, Surroundings, WendlandC2};
 
 /// How the values at a point were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -91,7 +91,7 @@ pub fn interpolate(
     let reach = smoothing.support() * spacing;
     let grid = surroundings.grid(positions, reach)?;
     let h = smoothing_length * spacing;
-    let kernel = Wendland::new(h);
+    let kernel = WendlandC2::new(h, 3);
     let width: usize = columns.iter().map(|c| c.components).sum();
 
     let at_point = |point: &[f64; 3]| -> (Vec<f64>, Support) {
@@ -99,7 +99,7 @@ pub fn interpolate(
         let mut moments = DMat4::ZERO;
         // The reach is the grid's own.
         let _ = grid.for_each_within(*point, reach, |particle, [x, y, z], squared| {
-            let weight = volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.at(squared);
+            let weight = volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.value_at_square(squared);
             if weight > 0.0 && candidates.is_none_or(|c| c[particle]) {
                 let p = DVec4::new(1.0, x / h, y / h, z / h);
                 moments +=

@@ -83,7 +83,7 @@ fn speed_at(particles: &Particles, fluid: &FluidOptions, at: [f64; 3]) -> anyhow
         for mirrored in [x[1], -x[1]] {
             let squared = (x[0] - at[0]).powi(2) + (mirrored - at[1]).powi(2) + (x[2] - at[2]).powi(2);
             if squared < kernel.reach() * kernel.reach() {
-                let w = kernel.value(squared.sqrt()) * fluid.particle_mass() / density;
+                let w = kernel.value_at_square(squared) * fluid.particle_mass() / density;
                 sum += w * u[0];
                 weight += w;
             }

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// Source: `liu2022`, Eq. 8, 9.
 ///
 /// ```
-/// use fieldstone_sph::WendlandC2;
+/// use fieldstone_surface::WendlandC2;
 /// let kernel = WendlandC2::new(0.5, 3);
 /// // ∫ W dV = 1, by the midpoint rule in shells.
 /// let shell = |n: i32| { let r = (f64::from(n) + 0.5) * 1e-3; 4.0 * std::f64::consts::PI * r * r * 1e-3 * kernel.value(r) };
@@ -22,6 +22,7 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WendlandC2 {
     h: f64,
+    inverse_h: f64,
     alpha: f64,
 }
 
@@ -29,7 +30,7 @@ impl WendlandC2 {
     /// The kernel in 2 or 3 dimensions.
     pub fn new(h: f64, dimension: usize) -> Self {
         let alpha = if dimension == 2 { 7.0 / (4.0 * PI * h * h) } else { 21.0 / (16.0 * PI * h * h * h) };
-        Self { h, alpha }
+        Self { h, inverse_h: 1.0 / h, alpha }
     }
 
     /// Smoothing length.
@@ -44,27 +45,30 @@ impl WendlandC2 {
 
     /// W(r).
     pub fn value(&self, r: f64) -> f64 {
-        let q = r / self.h;
-        if q >= 2.0 {
-            return 0.0;
-        }
-        let left = 1.0 - 0.5 * q;
+        self.value_at_square(r * r)
+    }
+
+    /// W at a distance of which the square is given.
+    #[inline(always)]
+    pub fn value_at_square(&self, squared: f64) -> f64 {
+        let q = squared.sqrt() * self.inverse_h;
+        let left = (1.0 - 0.5 * q).max(0.0);
         self.alpha * (1.0 + 2.0 * q) * (left * left) * (left * left)
     }
 
     /// α_d, the factor of [`value`](Self::value).
-    pub(crate) fn alpha(&self) -> f64 {
+    pub fn alpha(&self) -> f64 {
         self.alpha
     }
 
-    /// Factor f of g(r) = f (1 − q/2)³, where ∇ᵢW = g (x_j − x_i).
-    pub(crate) fn slope_factor(&self) -> f64 {
+    /// Factor f = 5 α_d / h² of g(r) = f (1 − q/2)³, where ∇ᵢW = g (x_j − x_i).
+    pub fn slope_factor(&self) -> f64 {
         5.0 * self.alpha / (self.h * self.h)
     }
 
     /// g(r) = −W′(r)/r.
-    pub(crate) fn slope(&self, r: f64) -> f64 {
-        let left = (1.0 - 0.5 * r / self.h).max(0.0);
+    pub fn slope(&self, r: f64) -> f64 {
+        let left = (1.0 - 0.5 * r * self.inverse_h).max(0.0);
         self.slope_factor() * left * left * left
     }
 }
