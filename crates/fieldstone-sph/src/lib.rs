@@ -54,6 +54,7 @@ mod cluster;
 mod density_gradient;
 mod energy;
 mod error;
+mod flow;
 mod gauges;
 mod ghosts;
 mod motion;
@@ -83,12 +84,13 @@ pub use case::{
 pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};
 pub use error::SphError;
+pub use flow::Flow;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};
 pub use motion::{Motion, Pose};
 pub use options::{FluidOptions, Integrator, ShiftingOptions, TimeStepOptions, Viscosity, sound_speed_bound};
 pub use phases::{Phase, Phases};
 pub use run::{Outcome, RunFolder, particles_of, run};
-pub use solver::{Flow, Solver};
+pub use solver::Solver;
 pub use state::State;
 
 #[doc(inline)]

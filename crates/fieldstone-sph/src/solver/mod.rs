@@ -1,105 +1,26 @@
 //! The state in time: lists, stages, what happens after each step.
 
 mod departures;
+mod free_surface;
 mod integrators;
 
 use std::time::Instant;
 
-use fieldstone_particles::{Image, NeighbourGrid, NeighbourOptions};
-use fieldstone_surface::{Detection, Exact, Method, ScanningCone, Scene, SurfaceDetection, WitnessCache};
+use fieldstone_particles::{Image, NeighbourGrid};
+use fieldstone_surface::{Detection, Method};
 use rayon::prelude::*;
 
+use self::free_surface::Detector;
 use crate::boundary_forces::{BoundaryForces, boundary_forces};
-use crate::energy::sum_in_parts;
-use crate::error::check;
 use crate::ghosts::Ghosts;
 use crate::neighbour_count::NeighbourCount;
 use crate::phases::{Phase, Phases};
-use crate::shifting::Shift;
 use crate::spatial_order::spatial_order;
 use crate::stage::Stage;
-use crate::{
-    Boundaries, Budget, Energies, FluidOptions, Integrator, ShiftingOptions, SphError, State, TimeStepOptions,
-};
+use crate::{Boundaries, Budget, Energies, Flow, Integrator, SphError, State};
 
 /// Steps for which particles keep their order: neighbours in space part slowly.
 const ORDER_LASTS: u64 = 20;
-
-/// Everything that a flow is, but for its state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Flow {
-    /// The fluid.
-    pub fluid: FluidOptions,
-    /// What is around it.
-    pub boundaries: Boundaries,
-    /// How time advances.
-    pub time_step: TimeStepOptions,
-    /// Particle shifting; needs a detection.
-    pub shifting: Option<ShiftingOptions>,
-    /// Free-surface detection in every step; shifting and tensile control need it.
-    pub detection: Option<Method>,
-    /// Margin of the neighbour lists over the spacing: lists last until a particle has moved half of it.
-    pub skin: f64,
-}
-
-impl Flow {
-    /// A flow without shifting or detection.
-    pub fn new(fluid: FluidOptions, boundaries: Boundaries) -> Self {
-        let skin = if fluid.dimension == 2 { 0.3 } else { 0.15 };
-        Self { fluid, boundaries, time_step: TimeStepOptions::default(), shifting: None, detection: None, skin }
-    }
-
-    /// Checks every option.
-    ///
-    /// # Errors
-    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`],
-    /// [`SphError::CutBody`], [`SphError::Overlapping`].
-    pub fn validate(&self) -> Result<(), SphError> {
-        self.fluid.validate()?;
-        self.time_step.validate()?;
-        check(
-            "the lists' margin over the spacing",
-            self.skin,
-            self.skin > 0.0 && self.skin <= 2.0,
-            "above 0, at most 2",
-        )?;
-        self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
-        if let Some(shifting) = &self.shifting {
-            shifting.validate()?;
-            let mach = shifting.mach_number(&self.fluid);
-            check(
-                "the Mach number of the shifting, expected speed over speed of sound,",
-                mach,
-                shifting.mach.is_some() || mach > 0.0,
-                "above 0, or nothing is shifted: give mach, or an expected_speed above 0",
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// Finds the free surface, with what is kept from step to step.
-#[derive(Debug)]
-enum Detector {
-    Exact(Box<Exact>, WitnessCache),
-    Other(Box<dyn SurfaceDetection + Send>),
-}
-
-impl Detector {
-    fn new(method: Method) -> Result<Self, SphError> {
-        Ok(match method {
-            Method::Exact => Self::Exact(Box::default(), WitnessCache::default()),
-            other => Self::Other(other.with_cone(ScanningCone::default())?),
-        })
-    }
-
-    fn reach(&self, spacing: f64) -> f64 {
-        match self {
-            Self::Exact(exact, _) => exact.reach(spacing),
-            Self::Other(method) => method.reach(spacing),
-        }
-    }
-}
 
 /// The δ-SPH solver.
 ///
@@ -351,45 +272,6 @@ impl Solver {
         ghosts.images.len() + self.stage.points.bodies.x.len()
     }
 
-    /// Labels of the present state by any detection method: true for the free surface.
-    ///
-    /// # Errors
-    /// As [`SurfaceDetection::label`].
-    pub fn labels(&self, method: &dyn SurfaceDetection) -> Result<Vec<bool>, SphError> {
-        let fluid = &self.flow.fluid;
-        let reach = method.reach(fluid.spacing);
-        let images = self.images_within(reach);
-        let (positions, candidates, volumes) = self.surroundings();
-        let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
-        let grid = NeighbourGrid::build_with_images(&positions, &images, options)?;
-        let scene =
-            Scene { grid: &grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
-        let mut labels = method.detect(&scene)?.labels();
-        labels.truncate(self.state.len());
-        Ok(labels)
-    }
-
-    /// Images of the particles within `reach` of a wall or periodic face.
-    fn images_within(&self, reach: f64) -> Vec<Image> {
-        let mut ghosts = Ghosts::new(&self.flow.boundaries, self.flow.fluid.dimension, [0.0; 3]);
-        ghosts.rebuild(&self.state.x, &self.flow.boundaries, reach * (1.0 + 1e-9));
-        let image = |i: usize| Image { source: ghosts.images[i].0, position: ghosts.position_of(i, &self.state.x) };
-        (0..ghosts.images.len()).map(image).collect()
-    }
-
-    /// Positions, which of them are fluid, and volumes, of fluid particles and bodies' ghosts.
-    fn surroundings(&self) -> (Vec<[f64; 3]>, Vec<bool>, Vec<f64>) {
-        let bodies = &self.stage.points.bodies;
-        let mut positions = self.state.x.clone();
-        positions.extend_from_slice(&bodies.x);
-        let mut candidates = vec![true; self.state.len()];
-        candidates.resize(positions.len(), false);
-        let mass = self.flow.fluid.particle_mass();
-        let mut volumes: Vec<f64> = self.state.density.iter().map(|d| mass / d).collect();
-        volumes.extend_from_slice(&bodies.volume);
-        (positions, candidates, volumes)
-    }
-
     /// Mean number of points within the kernel's reach, the particle itself left out.
     ///
     /// # Errors
@@ -564,93 +446,12 @@ impl Solver {
         self.lists_due = false;
         Ok(())
     }
-
-    fn forget_witnesses(&mut self) {
-        if let Some(Detector::Exact(_, cache)) = &mut self.detector {
-            cache.clear();
-        }
-    }
-
-    /// Labels the free surface of the present state.
-    fn detect(&mut self) -> Result<(), SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
-        let mut clock = Instant::now();
-        let (positions, candidates, volumes) = self.surroundings();
-        let Some(reach) = self.detector.as_ref().map(|d| d.reach(self.flow.fluid.spacing)) else { return Ok(()) };
-        if reach <= self.flow.fluid.kernel().reach() {
-            self.stage.points.images_of(&self.state.x, &mut self.images);
-        } else {
-            // The lists' images end with the kernel.
-            self.images = self.images_within(reach);
-        }
-        let Some(detector) = &mut self.detector else { return Ok(()) };
-        let (fluid, count) = (&self.flow.fluid, self.state.len());
-        let grid = match &mut self.detection_grid {
-            Some(grid) => {
-                grid.rebuild(&positions, &self.images)?;
-                grid
-            }
-            none => {
-                let options = NeighbourOptions { dimension: fluid.dimension, ..NeighbourOptions::new(reach) };
-                none.insert(NeighbourGrid::build_with_images(&positions, &self.images, options)?)
-            }
-        };
-        let scene = Scene { grid, spacing: fluid.spacing, volumes: Some(&volumes), candidates: Some(&candidates) };
-        match detector {
-            Detector::Exact(exact, cache) => exact.label_with(&scene, cache, &mut self.detection)?,
-            Detector::Other(method) => method.label(&scene, &mut self.detection)?,
-        }
-        let detection = &self.detection;
-        (0..count).into_par_iter().map(|i| u8::from(detection.is_free_surface(i))).collect_into_vec(&mut self.free);
-        self.stage.phases.add(Phase::Detection, &mut clock);
-        Ok(())
-    }
-
-    /// Regions of the present state, where nothing is shifted.
-    fn find_regions(&mut self) -> Result<(), SphError> {
-        let mut clock = Instant::now();
-        self.sum_shifts(&ShiftingOptions::default(), 1.0)?;
-        self.regions.par_iter_mut().zip(&self.shifts).for_each(|(region, (_, found))| *region = *found);
-        self.shifts.clear();
-        self.stage.phases.add(Phase::Detection, &mut clock);
-        Ok(())
-    }
-
-    fn shift(&mut self, shifting: &ShiftingOptions, share: f64) -> Result<(), SphError> {
-        let mut clock = Instant::now();
-        self.sum_shifts(shifting, share)?;
-        let (mass, gravity) = (self.flow.fluid.particle_mass(), self.flow.fluid.gravity);
-        let moved = self.state.x.par_iter_mut().zip(&mut self.regions).zip(&self.shifts);
-        moved.for_each(|((x, region), (shift, found))| {
-            x.iter_mut().zip(shift).for_each(|(x, s)| *x += s);
-            *region = *found;
-        });
-        let [fall] = sum_in_parts(&self.shifts, |(s, _)| [gravity[0] * s[0] + gravity[1] * s[1] + gravity[2] * s[2]]);
-        self.budget.shifting -= mass * fall;
-        self.stage.phases.add(Phase::Shifting, &mut clock);
-        Ok(())
-    }
-
-    /// Shift and region of each particle; `share` is the step over the one that sound alone would allow.
-    fn sum_shifts(&mut self, shifting: &ShiftingOptions, share: f64) -> Result<(), SphError> {
-        self.stage.ensure_lists(&self.state.x, &self.flow)?;
-        let fluid = &self.flow.fluid;
-        let points = &mut self.stage.points;
-        points.fill_shifting(&self.state, fluid.particle_mass(), &self.free);
-        self.shifts.resize(self.state.len(), ([0.0; 3], 2));
-        if shifting.n == 4 {
-            points.fluid_list.sum(&Shift::<true>::new(fluid, shifting, share, &points.carriers), &mut self.shifts);
-        } else {
-            points.fluid_list.sum(&Shift::<false>::new(fluid, shifting, share, &points.carriers), &mut self.shifts);
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Shape;
+    use crate::{FluidOptions, Shape, ShiftingOptions};
 
     #[test]
     fn shifts_follow_their_particles_into_another_order() {
