@@ -208,8 +208,10 @@ pub fn particles_of(solver: &Solver) -> Result<Particles, SphError> {
     if solver.detects() {
         particles = particles.with_quantity(scalar("region", &|i| f64::from(solver.regions()[i])))?;
     }
-    let shifts: Vec<[f64; 3]> = solver.shifts().collect();
-    if shifts.len() == state.len() {
+    if solver.flow().shifting.is_some() {
+        // None before the first step: every frame of a series has the same arrays.
+        let mut shifts: Vec<[f64; 3]> = solver.shifts().collect();
+        shifts.resize(state.len(), [0.0; 3]);
         particles = particles.with_quantity(vector("shift", &shifts))?;
     }
     Ok(particles.at(i64::try_from(solver.steps()).ok(), Some(solver.time())))

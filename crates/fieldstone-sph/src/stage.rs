@@ -25,7 +25,9 @@ pub(crate) struct Stage {
     placed_at: f64,
     /// Time at which they were where the lists were built.
     pub(crate) listed_at: f64,
-    /// Positions that the lists were built for; empty where there are none.
+    /// Whether there are lists.
+    listed: bool,
+    /// Positions that they were built for.
     pub(crate) built_at: Vec<[f64; 3]>,
     /// Margin of the lists beyond the kernel's reach.
     pub(crate) skin: f64,
@@ -45,6 +47,7 @@ impl Stage {
             tension_force: [0.0; 3],
             placed_at: 0.0,
             listed_at: 0.0,
+            listed: false,
             built_at: Vec::new(),
             skin,
             phases: Phases::default(),
@@ -63,15 +66,22 @@ impl Stage {
         self.points.list_neighbours(x, &flow.boundaries)?;
         self.built_at.clear();
         self.built_at.extend_from_slice(x);
+        self.listed = true;
         self.listed_at = self.placed_at;
         self.phases.lists_built += 1;
         self.phases.add(Phase::Neighbours, &mut clock);
         Ok(())
     }
 
-    /// Largest distance of a particle, or of a body, from where the lists were built.
+    /// Drops the lists: the particles are not those that they were built for.
+    pub(crate) fn forget_lists(&mut self) {
+        self.built_at.clear();
+        self.listed = false;
+    }
+
+    /// Largest distance of a particle, or of a body, from where the lists were built; infinite without lists.
     pub(crate) fn displacement(&self, x: &[[f64; 3]]) -> f64 {
-        if self.built_at.len() != x.len() {
+        if !self.listed || self.built_at.len() != x.len() {
             return f64::INFINITY;
         }
         let square = |(a, b): (&[f64; 3], &[f64; 3])| {

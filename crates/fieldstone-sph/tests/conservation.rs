@@ -118,6 +118,22 @@ fn what_leaves_through_the_open_top_is_counted_with_its_mass_and_energy() {
 }
 
 #[test]
+fn a_flow_goes_on_when_its_last_particle_has_left() {
+    let mut fluid = FluidOptions::new(2, 0.05, 4.0, 10_000.0);
+    fluid.gravity = [0.0, -9.81, 0.0];
+    let mut boundaries = Boundaries::new([0.0; 3], [1.0, 1.0, 0.0], 0.05);
+    boundaries.open = [[true; 2], [true; 2], [false; 2]];
+    let block = Shape::Box { low: [0.2, 0.0, 0.0], high: [0.5, 0.3, 0.0] };
+    let state = state(&[block], &fluid, |_| [0.0; 3], |_| 0.0);
+    let count = state.len() as u64;
+    let mut flow = Flow::new(fluid, boundaries);
+    flow.shifting = Some(ShiftingOptions::default());
+    let mut solver = Solver::new(flow, state).unwrap();
+    run(&mut solver, 0.4);
+    assert_eq!((solver.state().len(), solver.budget().removed), (0, count));
+}
+
+#[test]
 fn a_flow_does_not_vary_along_a_periodic_direction_or_between_slipping_walls() {
     let mut found = Vec::new();
     for periodic in [true, false] {

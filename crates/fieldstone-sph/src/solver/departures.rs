@@ -149,7 +149,7 @@ impl Solver {
         self.free = crate::state::picked(&self.free, &kept);
         // Those of before: should the step fail yet, no particle shows another's.
         self.shifts.clear();
-        self.stage.built_at.clear();
+        self.stage.forget_lists();
         self.forget_witnesses();
         self.order_due = self.steps;
         true
