@@ -242,6 +242,31 @@ fn a_table_is_passed_on_with_more_columns_and_the_rest_unchanged() {
 }
 
 #[test]
+fn empty_last_fields_stay_where_they_are_when_columns_are_added() {
+    for (content, expected) in [
+        ("r,note\n1,\n2,a\n", "r,note,volume\n1,,0.5\n2,a,0.5\n"),
+        ("r,note,by\n1,,\n2,,b\n", "r,note,by,volume\n1,,,0.5\n2,,b,0.5\n"),
+        // With a separator behind the last column, too, in the header or in the rows alone.
+        ("r,note,\n1,,\n2,a\n", "r,note,volume\n1,,0.5\n2,a,0.5\n"),
+        ("r,note,by,,\n1,,,\n2,,\n", "r,note,by,volume\n1,,,0.5\n2,,,0.5\n"),
+        ("r;note\r\n1; \r\n2;a;\r\n", "r;note;volume\n1;;0.5\n2;a;0.5\n"),
+        ("r\tnote\n1\t\n2\ta\t\n", "r\tnote\tvolume\n1\t\t0.5\n2\ta\t0.5\n"),
+        ("r\tnote\tby\t\n1\t\t\n2\t\t\t\n", "r\tnote\tby\tvolume\n1\t\t\t0.5\n2\t\t\t0.5\n"),
+    ] {
+        let input = file(content);
+        let table = CsvTable::read(&input.path).unwrap();
+        let out = input.path.with_file_name("out.csv");
+        let mut writer = CsvWriter::extending(&out, &table, &["volume"]).unwrap();
+        for row in 0..2 {
+            writer.row_extending(table.row(row), &[0.5]).unwrap();
+        }
+        writer.finish().unwrap();
+        assert_eq!(std::fs::read_to_string(&out).unwrap(), expected, "of {content:?}");
+        assert_eq!(CsvTable::read(&out).unwrap().column("volume").unwrap(), [0.5; 2], "of {content:?}");
+    }
+}
+
+#[test]
 fn written_numbers_read_back_to_the_same_bits() {
     let numbers = [
         0.0,
