@@ -5,7 +5,8 @@ use std::path::Path;
 use fieldstone_particles::Particles;
 
 use crate::assembly::{Assembly, Row};
-use crate::columns::{Columns, Dialect, non_spherical};
+use crate::column_names::Dialect;
+use crate::columns::{Columns, non_spherical};
 use crate::lines::{LineReader, number, shown, skip_blanks, words};
 use crate::{FrameReader, IoError, ParticleOptions, Position};
 
@@ -332,7 +333,7 @@ impl CsvTable {
 /// Reads particles from a table of text: one frame.
 ///
 /// Letter case does not matter. Positions are `x y z`, `px py pz`, `Points:0 …`, `position_x …` or `pos_x …`;
-/// radii are `radius`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
+/// radii are `radius`, `radii`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
 /// vz` and the like become vectors as in [`crate::DumpReader`], and so do `name:0 name:1 …` and `name_x name_y
 /// name_z`. Without any names, three columns of numbers are positions and a fourth is the radius. An empty field
 /// is NaN where it is neither position, size, id nor type.
