@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use fieldstone_particles::Particles;
 
 use crate::csv::fields;
-use crate::{AtomicFile, CsvTable, IoError, Separator};
+use crate::{AtomicFile, CsvTable, IoError, Position, Separator};
 
 /// A table under construction; it appears under its name when [`CsvWriter::finish`] is called.
 ///
@@ -83,7 +83,7 @@ impl CsvWriter {
         self.write(None, numbers)
     }
 
-    /// Writes a row of text as it is, such as one of [`CsvTable::row`], and numbers after it.
+    /// Writes a row of text as it is, such as one of [`CsvTable::rows`], and numbers after it.
     ///
     /// A separator at its end is left out where it stands behind the last column; empty last columns stay.
     ///
@@ -161,14 +161,14 @@ fn write_number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
 /// Writes columns of one length as a table.
 ///
 /// # Errors
-/// [`IoError::System`].
-///
-/// # Panics
-/// Where the columns differ in length.
+/// [`IoError::Content`] where the columns differ in length; [`IoError::System`].
 pub fn write_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), IoError> {
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     let rows = columns.first().map_or(0, |(_, data)| data.len());
-    assert!(columns.iter().all(|(_, data)| data.len() == rows), "columns of one table have one length");
+    if let Some((name, data)) = columns.iter().find(|(_, data)| data.len() != rows) {
+        let found = format!("column '{name}' has {} rows, but '{}' has {rows}", data.len(), names[0]);
+        return Err(IoError::content(path, Position::File, found, "give columns of one length; nothing was written"));
+    }
     let mut writer = CsvWriter::create(path, &names)?;
     let mut row = vec![0.0; columns.len()];
     for index in 0..rows {
