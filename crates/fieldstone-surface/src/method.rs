@@ -6,6 +6,14 @@ use crate::{
 };
 
 /// The methods by name.
+///
+/// ```
+/// use fieldstone_surface::{Method, SurfaceError};
+/// let method: Method = "sun".parse()?;
+/// assert!(method.supports(2) && !method.supports(3));
+/// assert!(matches!("moon".parse::<Method>(), Err(SurfaceError::UnknownMethod { .. })));
+/// # Ok::<(), SurfaceError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
     /// [`Exact`].
@@ -89,12 +97,12 @@ impl fmt::Display for Method {
 }
 
 impl FromStr for Method {
-    type Err = String;
+    type Err = SurfaceError;
 
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            let names: Vec<_> = Self::ALL.iter().map(|m| m.name()).collect();
-            format!("'{name}' is no detection method; choose one of {}", names.join(", "))
+    fn from_str(name: &str) -> Result<Self, SurfaceError> {
+        Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| SurfaceError::UnknownMethod {
+            name: name.into(),
+            known: Self::ALL.map(Self::name).join(", "),
         })
     }
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::time::Instant;
 
 use anyhow::{anyhow, bail};
@@ -39,7 +38,7 @@ pub(crate) struct Detect {
     /// exact: the criterion of the geometrical method, decided fast. geometrical: the same by the published algorithm.
     /// semi: position divergence first. The others are what SPH codes use.
     #[arg(long, value_name = "METHOD", default_value = "exact")]
-    method: MethodName,
+    method: Method,
     /// Half-angle of the scanning cone in degrees, for exact, geometrical, semi and sun
     #[arg(long, value_name = "DEGREES", default_value_t = 45.0, allow_negative_numbers = true)]
     theta: f64,
@@ -48,7 +47,7 @@ pub(crate) struct Detect {
     radius: f64,
     /// Also label by these methods, and print how they differ from --method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
-    compare: Vec<MethodName>,
+    compare: Vec<Method>,
     /// Distance from the free surface that counts as its vicinity, in spacings
     #[arg(long, value_name = "V", default_value_t = 4.0, value_parser = positive, allow_negative_numbers = true)]
     vicinity: f64,
@@ -68,18 +67,6 @@ pub(crate) struct Detect {
     /// false_positives, accuracy.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-/// A method by its name; the library's message where there is none of this name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct MethodName(Method);
-
-impl FromStr for MethodName {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        text.parse().map(Self)
-    }
 }
 
 #[derive(Serialize)]
@@ -142,7 +129,7 @@ impl Detect {
             _ => bail!("--out {}: the ending is not known; use .vtp or .csv", self.out.display()),
         }
         let dimension = usize::from(self.sph.dimension);
-        for (option, MethodName(method)) in
+        for (option, method) in
             [("--method", self.method)].into_iter().chain(self.compare.iter().map(|&m| ("--compare", m)))
         {
             if !method.supports(dimension) {
@@ -150,7 +137,7 @@ impl Detect {
             }
         }
         // Angle and radius are refused before any file is read.
-        self.method.0.with_cone(self.cone()).map_err(|e| anyhow!("--theta, --radius: {e}"))?;
+        self.method.with_cone(self.cone()).map_err(|e| anyhow!("--theta, --radius: {e}"))?;
         let inputs = self.sph.inputs();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         out.check_with_json(&inputs, self.json.as_deref())
@@ -167,9 +154,9 @@ impl Detect {
         let positions = frame.particles.positions();
         let mut timing = Timing::default();
 
-        let (reference, seconds) = self.label(self.method.0, positions, &surroundings, &file)?;
+        let (reference, seconds) = self.label(self.method, positions, &surroundings, &file)?;
         let mut comparison = Vec::new();
-        for &MethodName(method) in &self.compare {
+        for &method in &self.compare {
             let (other, seconds) = self.label(method, positions, &surroundings, "")?;
             let difference = Comparison::new(&reference.labels(), &other.labels()).map_err(placed)?;
             comparison.push(Row {
@@ -192,7 +179,7 @@ impl Detect {
             particles: positions.len(),
             boundary,
             spacing: surroundings.spacing,
-            method: self.method.0.name(),
+            method: self.method.name(),
             free_surface: reference.free_surface(),
             isolated: reference.isolated(),
             duplicates: reference.coincident(),

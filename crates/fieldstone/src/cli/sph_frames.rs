@@ -88,7 +88,7 @@ impl SphArguments {
         let range = match self.frames {
             Some(range) => range,
             None if out.is_numbered() => FrameRange::default(),
-            None => "-1".parse::<FrameRange>().map_err(|e| anyhow!(e))?,
+            None => "-1".parse()?,
         };
         Ok((files, range))
     }
