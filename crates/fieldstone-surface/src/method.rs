@@ -51,22 +51,23 @@ impl Method {
     /// Name, as it is parsed and printed.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Exact => "exact",
-            Self::Geometrical => "geometrical",
-            Self::SemiGeometrical => "semi",
-            Self::Haque => "haque",
-            Self::Marrone => "marrone",
-            Self::Wang => "wang",
-            Self::Sun => "sun",
-            Self::Dilts => "dilts",
+            Self::Exact => Exact::NAME,
+            Self::Geometrical => Geometrical::NAME,
+            Self::SemiGeometrical => SemiGeometrical::NAME,
+            Self::Haque => Haque::NAME,
+            Self::Marrone => Marrone::NAME,
+            Self::Wang => Wang::NAME,
+            Self::Sun => Sun::NAME,
+            Self::Dilts => Dilts::NAME,
         }
     }
 
     /// Whether the method exists in 2 or 3 dimensions.
     pub fn supports(self, dimension: usize) -> bool {
         match self {
-            Self::Haque => dimension == 3,
-            Self::Sun | Self::Dilts => dimension == 2,
+            Self::Haque => dimension == Haque::DIMENSION,
+            Self::Sun => dimension == Sun::DIMENSION,
+            Self::Dilts => dimension == Dilts::DIMENSION,
             _ => dimension == 2 || dimension == 3,
         }
     }

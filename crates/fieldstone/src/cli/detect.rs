@@ -10,8 +10,7 @@ use fieldstone::io::vtk::{VtkEncoding, write_vtp_particles_with};
 use fieldstone::io::{DataArray, SeriesFrame, Values, write_particles_csv};
 use fieldstone::particles::Quantity;
 use fieldstone::surface::{
-    Comparison, Detection, Method, ScanningCone, SurfaceOptions, Surroundings, exposure, implausibilities, levels,
-    normals,
+    Comparison, Detection, Method, ScanningCone, Surface, SurfaceError, SurfaceOptions, Surroundings, implausibilities,
 };
 use serde::Serialize;
 
@@ -149,7 +148,7 @@ impl Detect {
 
     fn frame(&self, frame: &SeriesFrame, path: &Path, read: f64) -> anyhow::Result<Summary> {
         let file = frame.path.display().to_string();
-        let placed = |e: fieldstone::surface::SurfaceError| anyhow!("{file}: {e}");
+        let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
         let positions = frame.particles.positions();
         let mut timing = Timing::default();
@@ -170,7 +169,7 @@ impl Detect {
             });
         }
         let columns =
-            timing.measure("fields", || self.columns(positions, &surroundings, &reference)).map_err(placed)?;
+            timing.measure("fields", || self.columns(positions, &surroundings, reference.clone())).map_err(placed)?;
         timing.measure("write", || write(path, frame, &columns))?;
         let boundary = surroundings.candidates.iter().flatten().filter(|fluid| !**fluid).count();
         Ok(Summary {
@@ -201,7 +200,7 @@ impl Detect {
         surroundings: &Surroundings,
         warn_of: &str,
     ) -> anyhow::Result<(Detection, f64)> {
-        let named = |e: fieldstone::surface::SurfaceError| anyhow!("{method}: {e}");
+        let named = |e: SurfaceError| anyhow!("{method}: {e}");
         let method = method.with_cone(self.cone()).map_err(named)?;
         let start = Instant::now();
         let grid = surroundings.grid(positions, method.reach(surroundings.spacing)).map_err(named)?;
@@ -220,26 +219,21 @@ impl Detect {
         &self,
         positions: &[[f64; 3]],
         surroundings: &Surroundings,
-        detection: &Detection,
-    ) -> Result<Vec<DataArray>, fieldstone::surface::SurfaceError> {
+        detection: Detection,
+    ) -> Result<Vec<DataArray>, SurfaceError> {
+        let options = if self.labels_only {
+            SurfaceOptions::LABELS
+        } else {
+            let exposure = self.exposure.then_some(self.radius);
+            SurfaceOptions { vicinity: Some(self.vicinity), exposure, ..SurfaceOptions::ALL }
+        };
+        let surface = Surface::of_detection(positions, detection, surroundings, &options)?;
         let bytes =
             |name: &str, values: Vec<u8>| DataArray { name: name.into(), components: 1, values: Values::U8(values) };
-        let labels = detection.labels().into_iter().map(u8::from).collect();
-        let mut columns = vec![bytes("free_surface", labels)];
-        if self.labels_only {
-            return Ok(columns);
-        }
-        if let Some(smoothing) = SurfaceOptions::ALL.normals {
-            let grid = surroundings.grid(positions, smoothing.support() * surroundings.spacing)?;
-            let scene = surroundings.scene(&grid);
-            let level = levels(&scene, positions, detection, self.vicinity * surroundings.spacing)?;
-            columns.push(bytes("level", level));
-            let normals = normals(&scene, &smoothing)?;
-            columns.push(DataArray::floats("normal", 3, normals.into_flattened()));
-        }
-        if self.exposure {
-            let grid = surroundings.grid(positions, self.radius * surroundings.spacing)?;
-            let cones = exposure(&surroundings.scene(&grid), self.radius)?;
+        let mut columns = vec![bytes("free_surface", surface.detection.labels().into_iter().map(u8::from).collect())];
+        columns.extend(surface.levels.map(|levels| bytes("level", levels)));
+        columns.extend(surface.normals.map(|normals| DataArray::floats("normal", 3, normals.into_flattened())));
+        if let Some(cones) = surface.exposures {
             columns.push(DataArray::scalar("exposure", cones.iter().map(|c| c.half_angle.to_degrees()).collect()));
             columns.push(DataArray::floats("exposure_axis", 3, cones.iter().flat_map(|c| c.axis).collect()));
         }

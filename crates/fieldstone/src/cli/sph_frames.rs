@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::arguments::{Periodic, list, positive};
+use super::arguments::{Periodic, bounds, list, positive};
 use super::{outputs, report, sph_checks};
 
 /// Particles in the frames that are worked on at the same time, and then those of one more: what memory has to hold.
@@ -70,10 +70,6 @@ impl FromStr for Boundary {
         let value = value.trim().parse().map_err(|_| format!("'{value}' is no number; as in type=1"))?;
         Ok(Self { field: field.trim().into(), value })
     }
-}
-
-fn bounds(text: &str) -> Result<[f64; 6], String> {
-    list(text, "0,1,0,1,0,2")
 }
 
 fn wall(text: &str) -> Result<Wall, String> {
@@ -309,10 +305,14 @@ impl SphArguments {
     }
 }
 
+/// The particles that are no boundary, by their indices.
+pub(crate) fn fluid_particles(particles: &Particles, fluid: Option<&[bool]>) -> Vec<usize> {
+    (0..particles.len()).filter(|&k| fluid.is_none_or(|f| f[k])).collect()
+}
+
 /// Positions of the particles that are no boundary.
-fn fluid_positions(particles: &Particles, fluid: Option<&[bool]>) -> Vec<[f64; 3]> {
-    let positions = particles.positions().iter().enumerate();
-    positions.filter(|(k, _)| fluid.is_none_or(|f| f[*k])).map(|(_, p)| *p).collect()
+pub(crate) fn fluid_positions(particles: &Particles, fluid: Option<&[bool]>) -> Vec<[f64; 3]> {
+    fluid_particles(particles, fluid).into_iter().map(|k| particles.positions()[k]).collect()
 }
 
 /// m/ρ of each particle, where the file has both and they make sense.
