@@ -226,6 +226,8 @@ fn drop_unused(mesh: &mut TriangleMesh) {
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::*;
     use crate::Nodes;
 
@@ -270,14 +272,10 @@ mod tests {
             assert!(pattern == 0 || mesh.volume() > 0.0);
         }
         let nodes = Nodes::new([0.0; 3], [1.0; 3], [17, 11, 13]).unwrap();
-        let mut seed = 3u64;
+        let mut random = Random(3);
         for _ in 0..20 {
-            let mut next = || {
-                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                // Ties with the surface's value, too.
-                ((seed >> 60) as f64) - 7.0
-            };
-            let values = (0..nodes.len()).map(|_| next()).collect();
+            // Ties with the surface's value, too.
+            let values = (0..nodes.len()).map(|_| random.whole(-7, 8)).collect();
             let field = NodeField { nodes: nodes.clone(), values, surface_value: 0.0, at_wall: Vec::new() };
             let found = iso_surface(&field, Walls::Closed).topology().unwrap();
             assert!(found.is_closed() && found.is_manifold(), "{found:?}");
