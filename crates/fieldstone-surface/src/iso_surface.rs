@@ -1,6 +1,7 @@
 use std::sync::LazyLock;
 
-use crate::triangle_mesh::cross;
+use glam::DVec3;
+
 use crate::{NodeField, TriangleMesh};
 
 /// Corners of a cell in binary: x is the lowest bit.
@@ -36,13 +37,10 @@ fn cases(tetrahedron: [Corner; 4]) -> Cases {
 
 /// The triangle wound so that its normal points from the inner to the outer corners.
 fn outwards([a, b, c]: [[Corner; 2]; 3]) -> [[Corner; 2]; 3] {
-    let corner = |k: Corner| [0, 1, 2].map(|axis| (k >> axis & 1) as f64);
-    let middle = |[i, o]: [Corner; 2]| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (corner(i)[k] + corner(o)[k])) };
-    let along = |p: [f64; 3], q: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| q[k] - p[k]) };
-    let normal = cross(along(middle(a), middle(b)), along(middle(a), middle(c)));
-    let out = along(corner(a[0]), corner(a[1]));
-    let ahead: f64 = (0..3).map(|k| normal[k] * out[k]).sum();
-    if ahead > 0.0 { [a, b, c] } else { [a, c, b] }
+    let corner = |k: Corner| DVec3::from([0, 1, 2].map(|axis| (k >> axis & 1) as f64));
+    let middle = |[i, o]: [Corner; 2]| 0.5 * (corner(i) + corner(o));
+    let normal = (middle(b) - middle(a)).cross(middle(c) - middle(a));
+    if normal.dot(corner(a[1]) - corner(a[0])) > 0.0 { [a, b, c] } else { [a, c, b] }
 }
 
 /// What to do where the fluid ends at a wall, a boundary particle or the box ([`NodeField::at_wall`]).
