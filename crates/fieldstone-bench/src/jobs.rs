@@ -4,7 +4,7 @@ use fieldstone_geometry::{CornerOrder, ElementKind};
 use fieldstone_mesh::{CellList, Mesh};
 use fieldstone_particles::Particles;
 
-use crate::Random;
+use fieldstone_testing::Random;
 
 /// A box of unit hexahedra, its inner points moved by up to `jitter` along each axis.
 ///
@@ -17,14 +17,14 @@ use crate::Random;
 /// ```
 pub fn box_of_hexahedra(cells: [usize; 3], jitter: f64, seed: u64) -> Mesh {
     let [nx, ny, nz] = cells;
-    let mut random = Random::new(seed);
+    let mut random = Random(seed);
     let mut points = Vec::with_capacity((nx + 1) * (ny + 1) * (nz + 1));
     for k in 0..=nz {
         for j in 0..=ny {
             for i in 0..=nx {
                 let at = [i as f64, j as f64, k as f64];
                 let inner = (1..nx).contains(&i) && (1..ny).contains(&j) && (1..nz).contains(&k);
-                points.push(if inner && jitter > 0.0 { at.map(|x| x + random.between(-jitter, jitter)) } else { at });
+                points.push(if inner && jitter > 0.0 { at.map(|x| x + random.uniform(-jitter, jitter)) } else { at });
             }
         }
     }
@@ -55,7 +55,7 @@ pub fn box_of_hexahedra(cells: [usize; 3], jitter: f64, seed: u64) -> Mesh {
 /// In random order, as a simulation's particles are once they have moved: neighbours in the list are
 /// nowhere near each other in space.
 pub fn random_balls(count: usize, r: f64, high: [f64; 3], seed: u64) -> Particles {
-    let mut random = Random::new(seed);
-    let positions = (0..count).map(|_| random.point([r; 3], high.map(|x| x - r))).collect();
+    let mut random = Random(seed);
+    let positions = (0..count).map(|_| high.map(|high| random.uniform(r, high - r))).collect();
     Particles::new(positions).and_then(|p| p.with_uniform_radius(r)).expect("finite positions and a positive radius")
 }

@@ -17,7 +17,6 @@ mod interleaved;
 mod jobs;
 mod packing;
 mod pairs;
-mod random;
 
 pub use arithmetic::arithmetic_seconds;
 pub use clock::{process_seconds, thread_seconds};
@@ -25,4 +24,3 @@ pub use interleaved::{median, take_turns};
 pub use jobs::{box_of_hexahedra, random_balls};
 pub use packing::Packing;
 pub use pairs::{Pairs, Shape};
-pub use random::Random;

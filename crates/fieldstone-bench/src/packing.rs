@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::Random;
+use fieldstone_testing::Random;
 
 /// One sphere.
 #[derive(Debug, Clone, Copy)]
@@ -30,18 +30,18 @@ impl Packing {
     /// assert_eq!((packing.len(), packing.contacts()), (60, 180));
     /// ```
     pub fn new(counts: [usize; 3], seed: u64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = Random(seed);
         let [nx, ny, nz] = counts;
         let mut spheres = Vec::with_capacity(nx * ny * nz);
         for at in 0..nx * ny * nz {
             let place = [at % nx, at / nx % ny, at / (nx * ny)];
             spheres.push(Sphere {
-                at: place.map(|n| n as f64 + 0.5 + random.between(-0.1, 0.1)),
-                radius: random.between(0.475, 0.525),
-                velocity: [(); 3].map(|()| random.between(-0.5, 0.5)),
+                at: place.map(|n| n as f64 + 0.5 + random.uniform(-0.1, 0.1)),
+                radius: random.uniform(0.475, 0.525),
+                velocity: [(); 3].map(|()| random.uniform(-0.5, 0.5)),
             });
         }
-        let forces = (0..3 * spheres.len()).map(|_| [random.between(0.5, 1.5), random.between(0.0, 0.3)]).collect();
+        let forces = (0..3 * spheres.len()).map(|_| [random.uniform(0.5, 1.5), random.uniform(0.0, 0.3)]).collect();
         Self { counts, spheres, forces }
     }
 

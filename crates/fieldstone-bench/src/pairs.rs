@@ -5,7 +5,7 @@ use fieldstone_geometry::decomposition::{
 };
 use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, OverlapBatch, Polyhedron};
 
-use crate::Random;
+use fieldstone_testing::Random;
 
 /// What the unit cells of the mesh are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,9 +100,9 @@ impl Pairs {
                 }
             }
         }
-        let mut random = Random::new(seed);
+        let mut random = Random(seed);
         while this.pairs.len() < at_least {
-            let ball = Ball::new(random.point([-0.5; 3], [0.5; 3]), r).expect("a finite centre");
+            let ball = Ball::new(random.point(-0.5, 0.5), r).expect("a finite centre");
             let index = this.balls.len() as u32;
             this.balls.push(ball);
             for (element, e) in this.elements.iter().enumerate() {

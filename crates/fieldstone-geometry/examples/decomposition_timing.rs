@@ -9,19 +9,7 @@ use fieldstone_geometry::Ball;
 use fieldstone_geometry::decomposition::{
     DecompositionElement, HexahedronCorners, hexahedron_to_2_wedges, hexahedron_to_5_tetrahedra, overlap_volume,
 };
-
-/// splitmix64, so that any other program can draw the same balls.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
-    }
-}
+use fieldstone_testing::Random;
 
 fn mesh(kind: &str, reach: i32) -> Result<Vec<DecompositionElement>, Box<dyn std::error::Error>> {
     let mut elements = Vec::new();
@@ -56,10 +44,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for kind in ["hex", "wedge", "tet5"] {
         for radius in [0.1, 0.3, 0.6, 1.0] {
             let elements = mesh(kind, if radius > 0.9 { 2 } else { 1 })?;
+            // SplitMix64: any other program can draw the same balls.
             let mut random = Random(42);
             let mut pairs = Vec::new();
             while pairs.len() < 20_000 {
-                let centre = [random.next() - 0.5, random.next() - 0.5, random.next() - 0.5];
+                let centre = random.point(-0.5, 0.5);
                 let ball = Ball::new(centre, radius)?;
                 for (index, element) in elements.iter().enumerate() {
                     let volume = overlap_volume(&ball, element);

@@ -2,6 +2,7 @@
 
 use fieldstone_particles::{Particles, ParticlesError, Quantity};
 
+use crate::column_names::{SizeColumn, sizes_differ};
 use crate::columns::{Cell, Columns};
 use crate::line_blocks::{LinePlace, Lines};
 
@@ -30,10 +31,6 @@ pub(crate) enum Fault {
 
 /// Coordinates and sizes beyond this, and sizes below its reciprocal, have cubes that are no numbers.
 const LARGEST: f64 = 1e100;
-
-/// Share by which a diameter may differ from twice the radius: files are written with few digits, and wrong columns are
-/// off by factors.
-const SIZES_AGREE: f64 = 1e-3;
 
 impl Fault {
     /// What was found, and what to do.
@@ -126,7 +123,7 @@ impl Assembly {
         let data = columns.groups.iter().map(|group| Vec::with_capacity(room * group.columns.len())).collect();
         Self {
             positions: Vec::with_capacity(room),
-            radii: Vec::with_capacity(if columns.radius.is_some() { room } else { 0 }),
+            radii: Vec::with_capacity(if columns.size.is_some() { room } else { 0 }),
             data,
             ..Self::default()
         }
@@ -165,7 +162,7 @@ impl Assembly {
                 return Err(Fault::Huge { column: columns.position[axis], value });
             }
         }
-        if let Some((column, factor)) = columns.radius {
+        if let Some(SizeColumn { column, factor, diameter }) = columns.size {
             let value = row.numbers[column];
             // The product is checked too: half of the smallest diameter is 0.
             if !(value.is_finite() && factor * value > 0.0) {
@@ -174,12 +171,10 @@ impl Assembly {
             if !(LARGEST.recip()..=LARGEST).contains(&(factor * value)) {
                 return Err(Fault::Size { column, value });
             }
-            if let Some(other) = columns.diameter.filter(|&other| columns.cells[other] == Cell::Number) {
-                let diameter = row.numbers[other];
-                // An empty field is no number, and says nothing against the radius.
-                if (diameter - 2.0 * value).abs() > SIZES_AGREE * 2.0 * value {
-                    return Err(Fault::Sizes { radius: (column, value), diameter: (other, diameter) });
-                }
+            if let Some(other) = diameter.filter(|&other| columns.cells[other] == Cell::Number)
+                && sizes_differ(value, row.numbers[other])
+            {
+                return Err(Fault::Sizes { radius: (column, value), diameter: (other, row.numbers[other]) });
             }
             self.radii.push(factor * value);
         }
@@ -225,7 +220,7 @@ impl Assembly {
 
     pub(crate) fn finish(self, columns: &Columns) -> Result<Particles, ParticlesError> {
         let mut particles = Particles::new(self.positions)?;
-        if columns.radius.is_some() {
+        if columns.size.is_some() {
             particles = particles.with_radii(self.radii)?;
         }
         if columns.id.is_some() {

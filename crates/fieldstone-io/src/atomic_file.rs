@@ -1,6 +1,6 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -8,8 +8,14 @@ use tempfile::NamedTempFile;
 
 use crate::IoError;
 
+/// How names of temporary files begin.
+const PREFIX: &str = ".fieldstone-";
+
 /// A file under construction: written under a temporary name in the target's folder, renamed by
 /// [`AtomicFile::commit`], removed when dropped before that.
+///
+/// Its content is on the disk before the name is given, so that a broken computer leaves the older file or the whole new
+/// one. A new file is as readable as the user's umask lets it be; one that replaces another keeps that one's permissions.
 ///
 /// A symbolic link stays, and the file that it leads to is replaced. Devices and pipes are written to directly: to
 /// put a file in their place would break the system for everybody else.
@@ -46,9 +52,7 @@ impl AtomicFile {
             Some(p) if !p.as_os_str().is_empty() => p,
             _ => Path::new("."),
         };
-        let file = tempfile::Builder::new()
-            .prefix(".fieldstone-")
-            .tempfile_in(folder)
+        let file = temporary(folder, found.map(|f| f.permissions()))
             // The error names the temporary file, which means nothing to the user.
             .map_err(|e| system(Error::new(e.kind(), e.kind().to_string())))?;
         Ok(buffered(resolved, Sink::Temporary(file)))
@@ -62,13 +66,7 @@ impl AtomicFile {
         let Self { target, stream } = self;
         let system = |source| IoError::System { path: target.clone(), action: "write", source };
         let Sink::Temporary(file) = stream.into_inner().map_err(|e| system(e.into_error()))? else { return Ok(()) };
-        // Temporary files are private; results are as readable as any file that the user creates.
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            let permissions = std::fs::Permissions::from_mode(0o644);
-            file.as_file().set_permissions(permissions).map_err(system)?;
-        }
+        file.as_file().sync_all().map_err(system)?;
         file.persist(&target).map_err(|e| system(e.error))?;
         Ok(())
     }
@@ -82,6 +80,26 @@ impl AtomicFile {
         body(&mut file.stream).map_err(|source| IoError::System { path: target.into(), action: "write", source })?;
         file.commit()
     }
+}
+
+/// A temporary file with the permissions that the result is to have: those of the file that it replaces, or else those of
+/// any file that the user creates, which the umask limits.
+#[cfg(unix)]
+fn temporary(folder: &Path, replaced: Option<Permissions>) -> std::io::Result<NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt;
+    let mode = replaced.map(|permissions| permissions.mode() & 0o777);
+    let wanted = Permissions::from_mode(mode.unwrap_or(0o666));
+    let file = tempfile::Builder::new().prefix(PREFIX).permissions(wanted.clone()).tempfile_in(folder)?;
+    // The umask has taken what the old file may have been given in spite of it.
+    if mode.is_some_and(|mode| file.as_file().metadata().is_ok_and(|now| now.permissions().mode() & 0o777 != mode)) {
+        file.as_file().set_permissions(wanted)?;
+    }
+    Ok(file)
+}
+
+#[cfg(not(unix))]
+fn temporary(folder: &Path, _: Option<Permissions>) -> std::io::Result<NamedTempFile> {
+    tempfile::Builder::new().prefix(PREFIX).tempfile_in(folder)
 }
 
 impl Write for AtomicFile {
@@ -124,6 +142,45 @@ mod tests {
         AtomicFile::write(&link, |out| out.write_all(b"new")).unwrap();
         assert!(link.is_symlink());
         assert_eq!(std::fs::read(&file).unwrap(), b"new");
+    }
+
+    fn mode(path: &Path) -> u32 {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::metadata(path).unwrap().permissions().mode() & 0o777
+    }
+
+    #[test]
+    fn a_new_file_is_as_readable_as_the_umask_lets_it_be() {
+        const FOLDER: &str = "FIELDSTONE_UMASK_TEST";
+        if let Some(folder) = std::env::var_os(FOLDER) {
+            return AtomicFile::write(&Path::new(&folder).join("file"), |out| out.write_all(b"new")).unwrap();
+        }
+        // The umask belongs to the process: the test runs itself in one that has another.
+        let name = "atomic_file::tests::a_new_file_is_as_readable_as_the_umask_lets_it_be";
+        for (umask, expected) in [("022", "644"), ("002", "664"), ("077", "600")] {
+            let folder = tempfile::tempdir().unwrap();
+            let mut shell = std::process::Command::new("sh");
+            shell.arg("-c").arg(format!("umask {umask}; exec \"$0\" --exact {name}"));
+            let output = shell.arg(std::env::current_exe().unwrap()).env(FOLDER, folder.path()).output().unwrap();
+            assert!(output.status.success(), "{output:?}");
+            assert_eq!(format!("{:o}", mode(&folder.path().join("file"))), expected, "umask {umask}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_replaces_another_keeps_its_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        for kept in [0o600, 0o640, 0o666, 0o755] {
+            std::fs::write(&file, "old").unwrap();
+            std::fs::set_permissions(&file, Permissions::from_mode(kept)).unwrap();
+            AtomicFile::write(&file, |out| out.write_all(b"new")).unwrap();
+            assert_eq!(
+                (format!("{:o}", mode(&file)), std::fs::read(&file).unwrap()),
+                (format!("{kept:o}"), b"new".into())
+            );
+        }
     }
 
     #[test]

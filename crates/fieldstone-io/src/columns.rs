@@ -6,16 +6,8 @@
 use std::collections::BTreeMap;
 
 use crate::assembly::{Fault, Row};
+use crate::column_names::{Dialect, FreeColumns, SizeColumn};
 use crate::lines::{integer, number, shown, skip_blanks, words};
-
-/// Which names a file uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Dialect {
-    /// LIGGGHTS and LAMMPS: exact names, arrays as `name[1]`, `name[2]`, …
-    Dump,
-    /// Spreadsheets and scripts: letter case does not matter, vectors as `name:0` or `name_x`.
-    Table,
-}
 
 /// How a column is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,9 +34,7 @@ pub(crate) struct Columns {
     needed: Vec<bool>,
     pub(crate) position: [usize; 3],
     scaled: bool,
-    pub(crate) radius: Option<(usize, f64)>,
-    /// A column that states the diameter beside the one that the radius is read from.
-    pub(crate) diameter: Option<usize>,
+    pub(crate) size: Option<SizeColumn>,
     pub(crate) id: Option<usize>,
     pub(crate) kind: Option<usize>,
     pub(crate) groups: Vec<Group>,
@@ -61,136 +51,27 @@ const VECTORS: [(&str, [&str; 3]); 6] = [
     ("image", ["ix", "iy", "iz"]),
 ];
 
-/// Names that a dialect knows, in order of preference.
-struct Naming {
-    /// Coordinates, and whether they are fractions of the box.
-    positions: &'static [([&'static str; 3], bool)],
-    radii: &'static [&'static str],
-    diameters: &'static [&'static str],
-    types: &'static [&'static str],
-}
-
-const DUMP: Naming = Naming {
-    positions: &[
-        (["x", "y", "z"], false),
-        (["xu", "yu", "zu"], false),
-        (["xs", "ys", "zs"], true),
-        (["xsu", "ysu", "zsu"], true),
-    ],
-    radii: &["radius"],
-    diameters: &["diameter", "d"],
-    types: &["type"],
-};
-
-const TABLE: Naming = Naming {
-    positions: &[
-        (["x", "y", "z"], false),
-        (["px", "py", "pz"], false),
-        (["points:0", "points:1", "points:2"], false),
-        (["points_0", "points_1", "points_2"], false),
-        (["position:0", "position:1", "position:2"], false),
-        (["position_x", "position_y", "position_z"], false),
-        (["pos_x", "pos_y", "pos_z"], false),
-    ],
-    radii: &["radius", "r", "rad"],
-    diameters: &["diameter", "d", "diam"],
-    types: &["type", "matid"],
-};
-
 impl Columns {
     /// Decides by the names.
     ///
     /// # Errors
     /// What is missing, as a sentence: there is no complete set of coordinates.
     pub(crate) fn new(names: Vec<String>, dialect: Dialect) -> Result<Self, String> {
-        let mut repeated = Vec::new();
-        let mut first = BTreeMap::new();
-        for (column, name) in names.iter().enumerate() {
-            if let Some(&earlier) = first.get(name) {
-                repeated.push((column, earlier));
-            } else {
-                first.insert(name.clone(), column);
-            }
-        }
-        let mut free = vec![true; names.len()];
-        for &(column, _) in &repeated {
-            free[column] = false;
-        }
-        let find = |wanted: &str, free: &[bool]| {
-            (0..names.len()).find(|&c| {
-                free[c]
-                    && match dialect {
-                        Dialect::Dump => names[c] == wanted,
-                        Dialect::Table => names[c].eq_ignore_ascii_case(wanted),
-                    }
-            })
-        };
-        let triple = |wanted: &[&str; 3], free: &[bool]| {
-            Some([find(wanted[0], free)?, find(wanted[1], free)?, find(wanted[2], free)?])
-        };
-        let naming = match dialect {
-            Dialect::Dump => DUMP,
-            Dialect::Table => TABLE,
-        };
-        let Some((position, scaled)) = naming.positions.iter().find_map(|(set, s)| Some((triple(set, &free)?, *s)))
-        else {
-            let sets = naming.positions.iter().map(|(set, _)| set.join(" ")).collect::<Vec<_>>().join(", or ");
-            return Err(format!("no complete set of coordinates ({sets}) among the columns {}", names.join(" ")));
-        };
-        let mut take = |column: usize| free[column] = false;
-        position.into_iter().for_each(&mut take);
-        let any = |aliases: &[&str], free: &[bool]| aliases.iter().find_map(|alias| find(alias, free));
-        let radius =
-            any(naming.radii, &free).map(|c| (c, 1.0)).or_else(|| any(naming.diameters, &free).map(|c| (c, 0.5)));
-        // Short names beside a radius may be anything: r a distance from an axis, d one from a wall.
-        let spelt_out = |column: usize| ["radius", "rad"].iter().any(|name| names[column].eq_ignore_ascii_case(name));
-        let diameter = radius
-            .filter(|&(column, _)| spelt_out(column))
-            .and_then(|_| ["diameter", "diam"].iter().find_map(|name| find(name, &free)));
-        let id = any(&["id"], &free);
-        let kind = any(naming.types, &free);
-        for column in [radius.map(|r| r.0), id, kind].into_iter().flatten() {
-            free[column] = false;
-        }
-
-        let mut groups = Vec::new();
-        for (name, members) in &VECTORS {
-            if let Some(columns) = triple(members, &free) {
-                groups.push(Group { name: (*name).into(), columns: columns.to_vec() });
-            }
-        }
-        groups.extend(arrays(&names, &free, dialect));
-        groups.retain(|g| g.columns.iter().all(|&c| free[c]));
-        // A name that something else already has stays with it: the members are then kept one by one.
-        let mut used: Vec<String> = (0..names.len()).filter(|&c| free[c]).map(|c| names[c].clone()).collect();
-        groups.retain(|group| {
-            let fresh = !used.contains(&group.name);
-            used.push(group.name.clone());
-            fresh
-        });
-        for group in &groups {
-            for &column in &group.columns {
-                free[column] = false;
-            }
-        }
-        for column in (0..names.len()).filter(|&c| free[c]) {
-            let standard = ["mass", "density", "rho"].into_iter().find(|known| match dialect {
-                Dialect::Dump => names[column] == *known,
-                Dialect::Table => names[column].eq_ignore_ascii_case(known),
-            });
-            let standard = standard.map(|name| if name == "rho" { "density" } else { name });
-            let name = match standard {
-                Some(name) if !used.iter().any(|u| u == name) => name.to_string(),
-                _ => names[column].clone(),
-            };
-            used.push(name.clone());
-            groups.push(Group { name, columns: vec![column] });
-        }
-        groups.sort_by_key(|group| group.columns.iter().copied().min());
+        let repeated = repeated(&names);
+        let mut free = FreeColumns::new(dialect, names.iter().map(String::as_str));
+        free.take(repeated.iter().map(|&(column, _)| column));
+        let (position, scaled) = free
+            .positions()
+            .map_err(|sets| format!("no complete set of coordinates ({sets}) among the columns {}", names.join(" ")))?;
+        free.take(position);
+        let (size, id, kind) = (free.size(), free.id(), free.kind());
+        let singles = [size.map(|size| size.column), id, kind];
+        free.take(singles.into_iter().flatten());
+        let groups = groups(free, dialect);
 
         let mut cells = vec![Cell::Number; names.len()];
         let mut needed = vec![false; names.len()];
-        for column in position.into_iter().chain(radius.map(|r| r.0)).chain(id).chain(kind) {
+        for column in position.into_iter().chain(singles.into_iter().flatten()) {
             needed[column] = true;
         }
         if let Some(column) = id {
@@ -203,7 +84,7 @@ impl Columns {
             cells[column] = cells[earlier];
             needed[column] = needed[earlier];
         }
-        Ok(Self { names, cells, needed, position, scaled, radius, diameter, id, kind, groups, repeated })
+        Ok(Self { names, cells, needed, position, scaled, size, id, kind, groups, repeated })
     }
 
     /// Whether the coordinates are fractions of the box.
@@ -321,11 +202,47 @@ fn word_at(line: &[u8], at: usize) -> &[u8] {
     words(&line[at..]).next().unwrap_or_default()
 }
 
+/// Columns that bear the name of an earlier one, and that one.
+fn repeated(names: &[String]) -> Vec<(usize, usize)> {
+    let mut first = BTreeMap::new();
+    let earlier = |(column, name)| Some((column, *first.entry(name).or_insert(column)));
+    names.iter().enumerate().filter_map(earlier).filter(|(column, earlier)| column != earlier).collect()
+}
+
+/// The quantities that the columns left over make: vectors first, then arrays, then one by one; in the file's order.
+fn groups(mut free: FreeColumns<'_>, dialect: Dialect) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for (name, members) in &VECTORS {
+        if let Some(columns) = free.three(members) {
+            groups.push(Group { name: (*name).into(), columns: columns.to_vec() });
+        }
+    }
+    groups.extend(arrays(&free, dialect));
+    // A name that something else already has stays with it: the members are then kept one by one.
+    let mut used: Vec<String> = free.iter().map(|(_, name)| name.to_string()).collect();
+    groups.retain(|group| {
+        let fresh = !used.contains(&group.name);
+        used.push(group.name.clone());
+        fresh
+    });
+    for group in &groups {
+        free.take(group.columns.iter().copied());
+    }
+    for (column, name) in free.iter() {
+        let standard = dialect.scalar(name).filter(|standard| !used.iter().any(|u| u == standard));
+        let name = standard.unwrap_or(name).to_string();
+        used.push(name.clone());
+        groups.push(Group { name, columns: vec![column] });
+    }
+    groups.sort_by_key(|group| group.columns.iter().copied().min());
+    groups
+}
+
 /// Groups of columns that number their components: `c_st[1] … c_st[6]`, `v:0 v:1 v:2`, `v_x v_y v_z`.
-fn arrays(names: &[String], free: &[bool], dialect: Dialect) -> Vec<Group> {
+fn arrays(free: &FreeColumns<'_>, dialect: Dialect) -> Vec<Group> {
     // Keyed by base name and style of numbering; values are component → column.
     let mut found: BTreeMap<(String, u8), BTreeMap<usize, usize>> = BTreeMap::new();
-    for (column, name) in names.iter().enumerate().filter(|&(c, _)| free[c]) {
+    for (column, name) in free.iter() {
         let member = bracketed(name).or_else(|| if dialect == Dialect::Table { suffixed(name) } else { None });
         if let Some((base, style, component)) = member {
             found.entry((base.into(), style)).or_default().insert(component, column);
@@ -339,12 +256,8 @@ fn arrays(names: &[String], free: &[bool], dialect: Dialect) -> Vec<Group> {
             continue;
         }
         let columns: Vec<usize> = members.into_values().collect();
-        let name = match (dialect, columns.len(), base.as_str()) {
-            (Dialect::Table, 3, "v") => "velocity".into(),
-            (Dialect::Table, 3, "f") => "force".into(),
-            (Dialect::Table, 3, "omega") => "angular_velocity".into(),
-            _ => base,
-        };
+        let standard = if columns.len() == 3 { dialect.vector(&base) } else { None };
+        let name = standard.map_or(base, Into::into);
         groups.push(Group { name, columns });
     }
     groups

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::IoError;
 use crate::lines::{integer, number, shown};
 
 /// Which columns of a dump or table hold the parts of a contact, by their names.
@@ -28,7 +29,7 @@ use crate::lines::{integer, number, shown};
 /// use fieldstone_io::ContactColumns;
 /// let columns: ContactColumns = "id1=c_id[1],id2=c_id[2],normal=c_c[2..4],tangential=c_c[5..7]".parse()?;
 /// assert_eq!(columns.normal.as_ref().map(|names| names[2].as_str()), Some("c_c[4]"));
-/// # Ok::<(), String>(())
+/// # Ok::<(), fieldstone_io::IoError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -58,13 +59,14 @@ pub struct ContactColumns {
 const PARTS: &str = "id1, id2, wall, position1, position2, force, normal, tangential, point, overlap";
 
 impl FromStr for ContactColumns {
-    type Err = String;
+    type Err = IoError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, IoError> {
+        let wrong = IoError::ContactColumns;
         let mut columns = Self::default();
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
             let Some((key, value)) = part.split_once('=') else {
-                return Err(format!("'{part}' is not of the form part=column; the parts are {PARTS}"));
+                return Err(wrong(format!("'{part}' is not of the form part=column; the parts are {PARTS}")));
             };
             let (key, value) = (key.trim(), value.trim());
             let scalar = match key {
@@ -76,7 +78,7 @@ impl FromStr for ContactColumns {
             };
             if let Some(slot) = scalar {
                 if value.is_empty() || value.contains("..") {
-                    return Err(format!("'{part}': {key} is one column"));
+                    return Err(wrong(format!("'{part}': {key} is one column")));
                 }
                 *slot = Some(value.into());
                 continue;
@@ -88,10 +90,10 @@ impl FromStr for ContactColumns {
                 "normal" => &mut columns.normal,
                 "tangential" => &mut columns.tangential,
                 "point" => &mut columns.point,
-                _ => return Err(format!("'{key}' is no part of a contact; the parts are {PARTS}")),
+                _ => return Err(wrong(format!("'{key}' is no part of a contact; the parts are {PARTS}"))),
             };
             *slot = Some(three(value).ok_or_else(|| {
-                format!("'{part}': {key} is three columns, as in {key}=c_pair[16..18] or {key}=fx/fy/fz")
+                wrong(format!("'{part}': {key} is three columns, as in {key}=c_pair[16..18] or {key}=fx/fy/fz"))
             })?);
         }
         columns.check()?;
@@ -121,24 +123,23 @@ impl ContactColumns {
     /// Checks that the parts make a contact.
     ///
     /// # Errors
-    /// What is missing or given twice, as a sentence.
-    pub fn check(&self) -> Result<(), String> {
-        if self.id1.is_none() && self.position1.is_none() {
-            return Err("the particle is missing: give its id (id1) or its centre (position1)".into());
-        }
-        if self.id1.is_some() && self.position1.is_some() {
-            return Err("the particle is given twice: leave out id1 or position1".into());
-        }
-        if self.id2.is_some() && self.position2.is_some() {
-            return Err("the partner is given twice: leave out id2 or position2".into());
-        }
-        match (&self.force, &self.normal, &self.tangential) {
-            (Some(_), None, None) | (None, Some(_), _) => Ok(()),
-            (None, None, _) => {
-                Err("the force is missing: give it whole (force), or in parts (normal and tangential)".into())
+    /// [`IoError::ContactColumns`]: what is missing or given twice.
+    pub fn check(&self) -> Result<(), IoError> {
+        let wrong = match (&self.force, &self.normal, &self.tangential) {
+            _ if self.id1.is_none() && self.position1.is_none() => {
+                "the particle is missing: give its id (id1) or its centre (position1)"
             }
-            _ => Err("the force is given twice: leave out force, or both normal and tangential".into()),
-        }
+            _ if self.id1.is_some() && self.position1.is_some() => {
+                "the particle is given twice: leave out id1 or position1"
+            }
+            _ if self.id2.is_some() && self.position2.is_some() => {
+                "the partner is given twice: leave out id2 or position2"
+            }
+            (Some(_), None, None) | (None, Some(_), _) => return Ok(()),
+            (None, None, _) => "the force is missing: give it whole (force), or in parts (normal and tangential)",
+            _ => "the force is given twice: leave out force, or both normal and tangential",
+        };
+        Err(IoError::ContactColumns(wrong.into()))
     }
 
     /// The order that LIGGGHTS's `compute pair/gran/local` has.
@@ -292,7 +293,7 @@ impl ResolvedColumns {
     /// # Errors
     /// Which columns are missing, and which there are.
     pub(crate) fn new(mapping: ContactColumns, names: Vec<String>) -> Result<Self, String> {
-        mapping.check()?;
+        mapping.check().map_err(|wrong| wrong.to_string())?;
         let scalars = [(&mapping.id1, Slot::Id(0)), (&mapping.id2, Slot::Id(1)), (&mapping.wall, Slot::Id(2))];
         let mut wanted: Vec<(&String, Slot)> =
             scalars.into_iter().filter_map(|(n, s)| Some((n.as_ref()?, s))).collect();
@@ -395,7 +396,7 @@ mod tests {
             ["force=c[1..2]", "force=c[1..4]", "force=c[3..1]", "force=fx/fy", "force=c[18446744073709551615..2]"]
         {
             let error = format!("id1=a,{bad}").parse::<ContactColumns>().unwrap_err();
-            assert!(error.contains("three columns"), "{bad}: {error}");
+            assert!(error.to_string().contains("three columns"), "{bad}: {error}");
         }
     }
 
@@ -411,7 +412,7 @@ mod tests {
             ("id1", "not of the form"),
         ] {
             let error = text.parse::<ContactColumns>().unwrap_err();
-            assert!(error.contains(reason), "{text}: {error}");
+            assert!(error.to_string().contains(reason), "{text}: {error}");
         }
     }
 

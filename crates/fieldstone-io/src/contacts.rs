@@ -128,13 +128,13 @@ impl ContactPreset {
 }
 
 impl FromStr for ContactPreset {
-    type Err = String;
+    type Err = IoError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, IoError> {
         let known = Self::ALL.iter().find(|(name, _)| *name == text).map(|&(_, preset)| preset);
-        known.ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|(name, _)| *name).collect();
-            format!("'{text}' is no preset of contact columns; there are {}", names.join(", "))
+        known.ok_or_else(|| IoError::UnknownPreset {
+            name: text.into(),
+            known: Self::ALL.map(|(name, _)| name).join(", "),
         })
     }
 }

@@ -5,7 +5,8 @@ use std::path::Path;
 use fieldstone_particles::Particles;
 
 use crate::assembly::{Assembly, Row};
-use crate::columns::{Columns, Dialect, non_spherical};
+use crate::column_names::Dialect;
+use crate::columns::{Columns, non_spherical};
 use crate::lines::{LineReader, number, shown, skip_blanks, words};
 use crate::{FrameReader, IoError, ParticleOptions, Position};
 
@@ -212,7 +213,7 @@ fn yade_names(comment: &[u8], columns: usize) -> Option<Vec<String>> {
 /// std::fs::write(&path, "cx,cy,cz,r,note\n0,0,1.5,0.25,first\n1,0,2.5,0.5,second\n")?;
 /// let table = CsvTable::read(&path)?;
 /// assert_eq!(table.column("cz")?, [1.5, 2.5]);
-/// assert_eq!(table.row(1), "1,0,2.5,0.5,second");
+/// assert_eq!(table.rows().last(), Some((3, "1,0,2.5,0.5,second")));
 /// assert!(table.column("note").is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -278,21 +279,10 @@ impl CsvTable {
         self.rows.is_empty()
     }
 
-    /// Row `index` as the file has it, from 0.
-    ///
-    /// # Panics
-    /// Where there is no such row.
-    pub fn row(&self, index: usize) -> &str {
-        let start = if index == 0 { 0 } else { self.rows[index - 1].0 };
-        &self.text[start..self.rows[index].0]
-    }
-
-    /// Line of row `index` in the file, from 1.
-    ///
-    /// # Panics
-    /// Where there is no such row.
-    pub fn line(&self, index: usize) -> u64 {
-        self.rows[index].1
+    /// The rows as the file has them, each after the number of its line, from 1.
+    pub fn rows(&self) -> impl Iterator<Item = (u64, &str)> {
+        let mut start = 0;
+        self.rows.iter().map(move |&(end, line)| (line, &self.text[std::mem::replace(&mut start, end)..end]))
     }
 
     /// Whether a column is called `name`, whatever the letter case.
@@ -316,13 +306,13 @@ impl CsvTable {
             let remedy = "rename a column in the header row";
             return Err(IoError::content(&self.path, Position::File, found, remedy));
         };
-        (0..self.len())
-            .map(|index| {
-                let field = fields(self.row(index).as_bytes(), self.separator).nth(column).unwrap_or_default();
+        self.rows()
+            .map(|(line, row)| {
+                let field = fields(row.as_bytes(), self.separator).nth(column).unwrap_or_default();
                 number(field).ok_or_else(|| {
                     let found = format!("column '{name}' holds '{}', which is no number", shown(field));
                     let remedy = "correct the row; decimal commas are not read";
-                    IoError::content(&self.path, Position::Line(self.line(index)), found, remedy)
+                    IoError::content(&self.path, Position::Line(line), found, remedy)
                 })
             })
             .collect()
@@ -332,7 +322,7 @@ impl CsvTable {
 /// Reads particles from a table of text: one frame.
 ///
 /// Letter case does not matter. Positions are `x y z`, `px py pz`, `Points:0 …`, `position_x …` or `pos_x …`;
-/// radii are `radius`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
+/// radii are `radius`, `radii`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
 /// vz` and the like become vectors as in [`crate::DumpReader`], and so do `name:0 name:1 …` and `name_x name_y
 /// name_z`. Without any names, three columns of numbers are positions and a fourth is the radius. An empty field
 /// is NaN where it is neither position, size, id nor type.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use fieldstone_particles::Particles;
 
-use crate::{AtomicFile, CsvTable, IoError, Separator};
+use crate::csv::fields;
+use crate::{AtomicFile, CsvTable, IoError, Position, Separator};
 
 /// A table under construction; it appears under its name when [`CsvWriter::finish`] is called.
 ///
@@ -27,6 +28,8 @@ pub struct CsvWriter {
     file: AtomicFile,
     path: PathBuf,
     separator: Separator,
+    /// How many are named.
+    columns: usize,
 }
 
 impl CsvWriter {
@@ -45,7 +48,8 @@ impl CsvWriter {
     /// # Errors
     /// As [`CsvWriter::create`].
     pub fn create_with_comment(path: &Path, comment: &str, names: &[&str]) -> Result<Self, IoError> {
-        let mut writer = Self { file: AtomicFile::create(path)?, path: path.into(), separator: Separator::Comma };
+        let (file, separator) = (AtomicFile::create(path)?, Separator::Comma);
+        let mut writer = Self { file, path: path.into(), separator, columns: names.len() };
         for line in comment.lines() {
             let sign = if line.starts_with('#') { "#" } else { "# " };
             writer.line(format!("{sign}{line}").trim_end())?;
@@ -60,8 +64,9 @@ impl CsvWriter {
     /// As [`CsvWriter::create`].
     pub fn extending(path: &Path, table: &CsvTable, names: &[&str]) -> Result<Self, IoError> {
         let separator = table.separator();
-        let mut writer = Self { file: AtomicFile::create(path)?, path: path.into(), separator };
-        let mut header = without_trailing(table.header(), separator).to_string();
+        let (file, own) = (AtomicFile::create(path)?, table.names().len());
+        let mut writer = Self { file, path: path.into(), separator, columns: own + names.len() };
+        let mut header = of_columns(table.header(), separator, own).to_string();
         for name in names {
             header.push_str(separator.as_str());
             header.push_str(&quoted(name));
@@ -78,12 +83,15 @@ impl CsvWriter {
         self.write(None, numbers)
     }
 
-    /// Writes a row of text as it is, such as one of [`CsvTable::row`], and numbers after it.
+    /// Writes a row of text as it is, such as one of [`CsvTable::rows`], and numbers after it.
+    ///
+    /// A separator at its end is left out where it stands behind the last column; empty last columns stay.
     ///
     /// # Errors
     /// [`IoError::System`]
     pub fn row_extending(&mut self, text: &str, numbers: &[f64]) -> Result<(), IoError> {
-        self.write(Some(without_trailing(text, self.separator)), numbers)
+        let own = self.columns.saturating_sub(numbers.len());
+        self.write(Some(of_columns(text, self.separator, own)), numbers)
     }
 
     fn write(&mut self, text: Option<&str>, numbers: &[f64]) -> Result<(), IoError> {
@@ -118,9 +126,19 @@ impl CsvWriter {
     }
 }
 
-/// A separator at the end of a line would make an empty column before the new ones.
-fn without_trailing(line: &str, separator: Separator) -> &str {
-    line.trim_end().trim_end_matches(separator.as_str())
+/// A line without the separators and blanks behind its last column, which would make empty columns before the new ones.
+fn of_columns(line: &str, separator: Separator, columns: usize) -> &str {
+    // A tab at the end may stand before an empty field.
+    let bare = |line: &str| {
+        line.trim_end_matches(|c: char| c.is_ascii_whitespace() && (separator, c) != (Separator::Tab, '\t')).len()
+    };
+    let mut line = &line[..bare(line)];
+    while fields(line.as_bytes(), separator).count() > columns
+        && let Some(shorter) = line.strip_suffix(separator.as_str())
+    {
+        line = &shorter[..bare(shorter)];
+    }
+    line
 }
 
 fn quoted(name: &str) -> String {
@@ -143,14 +161,14 @@ fn write_number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
 /// Writes columns of one length as a table.
 ///
 /// # Errors
-/// [`IoError::System`].
-///
-/// # Panics
-/// Where the columns differ in length.
+/// [`IoError::Content`] where the columns differ in length; [`IoError::System`].
 pub fn write_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), IoError> {
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     let rows = columns.first().map_or(0, |(_, data)| data.len());
-    assert!(columns.iter().all(|(_, data)| data.len() == rows), "columns of one table have one length");
+    if let Some((name, data)) = columns.iter().find(|(_, data)| data.len() != rows) {
+        let found = format!("column '{name}' has {} rows, but '{}' has {rows}", data.len(), names[0]);
+        return Err(IoError::content(path, Position::File, found, "give columns of one length; nothing was written"));
+    }
     let mut writer = CsvWriter::create(path, &names)?;
     let mut row = vec![0.0; columns.len()];
     for index in 0..rows {

@@ -5,7 +5,8 @@ use std::path::Path;
 use fieldstone_particles::{Domain, Particles};
 
 use crate::assembly::Assembly;
-use crate::columns::{Columns, Dialect, non_spherical};
+use crate::column_names::Dialect;
+use crate::columns::{Columns, non_spherical};
 use crate::dump_box::DumpBox;
 use crate::dump_stream::{DumpHead, DumpRows, DumpStream};
 use crate::frames::unless_failed;

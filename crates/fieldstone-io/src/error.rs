@@ -72,6 +72,25 @@ pub enum IoError {
         /// Frames in the file.
         available: usize,
     },
+    /// A text is no [`FrameRange`](crate::FrameRange).
+    #[error("'{text}' is no range of frames: {why}; as in 10:20, ::5 or -1")]
+    FrameRange {
+        /// The text.
+        text: String,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// The columns named for a contact make none: what is wrong, and what to do.
+    #[error("{0}")]
+    ContactColumns(String),
+    /// No preset of contact columns has this name.
+    #[error("'{name}' is no preset of contact columns; there are {known}")]
+    UnknownPreset {
+        /// Name asked for.
+        name: String,
+        /// Names that there are.
+        known: String,
+    },
     /// What was read makes no valid particle set.
     #[error("{}: {source}", path.display())]
     Particles {

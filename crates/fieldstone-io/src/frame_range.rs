@@ -19,7 +19,7 @@ use crate::{IoError, Position};
 /// // The last frame of five.
 /// let last: FrameRange = "-1".parse()?;
 /// assert!(last.counted(5).contains(4) && !last.counted(5).contains(3));
-/// # Ok::<(), String>(())
+/// # Ok::<(), fieldstone_io::IoError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameRange {
@@ -36,10 +36,10 @@ impl Default for FrameRange {
 }
 
 impl FromStr for FrameRange {
-    type Err = String;
+    type Err = IoError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = |why: &str| format!("'{text}' is no range of frames: {why}; as in 10:20, ::5 or -1");
+    fn from_str(text: &str) -> Result<Self, IoError> {
+        let wrong = |why| IoError::FrameRange { text: text.into(), why };
         let number = |part: &str| part.trim().parse::<i64>().map_err(|_| wrong("a part is no whole number"));
         let optional = |part: &str| if part.trim().is_empty() { Ok(None) } else { number(part).map(Some) };
         match text.split(':').collect::<Vec<_>>().as_slice() {
@@ -79,7 +79,7 @@ impl FrameRange {
     /// use fieldstone_io::FrameRange;
     /// let range: FrameRange = "3:1".parse()?;
     /// assert_eq!(range.why_empty(4), "none of the 4 frames, 0 to 3, is in the range 3:1, which ends before it begins");
-    /// # Ok::<(), String>(())
+    /// # Ok::<(), fieldstone_io::IoError>(())
     /// ```
     pub fn why_empty(&self, count: usize) -> String {
         if count == 0 {
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn ranges_that_are_none_say_what_one_looks_like() {
         for bad in ["", "a", "1:2:3:4", "1:2:0", "1:2:-1", "1.5"] {
-            assert!(bad.parse::<FrameRange>().unwrap_err().contains("10:20"), "{bad}");
+            assert!(bad.parse::<FrameRange>().unwrap_err().to_string().contains("10:20"), "{bad}");
         }
     }
 
@@ -304,7 +304,7 @@ mod tests {
         for text in ["3", "0", "-2", "-1", "3:1", "1:5", "1:5:2", "0:", "-1:0", "-3:-1", "2::3"] {
             let range: FrameRange = text.parse().unwrap();
             let shown = range.to_string();
-            assert_eq!(shown.parse::<FrameRange>(), Ok(range), "{text} {shown}");
+            assert_eq!(shown.parse::<FrameRange>().unwrap(), range, "{text} {shown}");
             assert_eq!(shown, text);
         }
     }

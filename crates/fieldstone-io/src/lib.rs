@@ -17,6 +17,7 @@
 mod assembly;
 mod atomic_file;
 mod bgeo;
+mod column_names;
 mod columns;
 mod contact_assembly;
 mod contact_columns;

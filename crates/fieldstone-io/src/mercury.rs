@@ -5,7 +5,8 @@ use std::path::Path;
 use fieldstone_particles::{Domain, Particles};
 
 use crate::assembly::Assembly;
-use crate::columns::{Columns, Dialect};
+use crate::column_names::Dialect;
+use crate::columns::Columns;
 use crate::frames::unless_failed;
 use crate::lines::{LineReader, integer, number, shown, skip_blanks, words};
 use crate::{FrameReader, IoError};

@@ -164,15 +164,18 @@ fn read_text(
     vertices: &Element,
     columns: &mut PointColumns,
 ) -> Result<(), IoError> {
-    let skipped = before.iter().fold(0u64, |sum, element| sum.saturating_add(element.count));
-    let mut rows = content[header.end..].split(|&b| b == b'\n').zip(header.lines + 1..);
+    // Elements without properties have blank rows, if any.
+    let rows_of = |element: &Element| if element.properties.is_empty() { 0 } else { element.count };
+    let skipped = before.iter().fold(0u64, |sum, element| sum.saturating_add(rows_of(element)));
+    let lines = content[header.end..].split(|&b| b == b'\n').zip(header.lines + 1..);
+    let mut rows = lines.filter(|(line, _)| !line.trim_ascii().is_empty());
     for _ in 0..skipped {
         if rows.next().is_none() {
             return Err(truncated(path, Position::File, 0, vertices.count));
         }
     }
     for index in 0..vertices.count {
-        let Some((line, at)) = rows.find(|(line, _)| !line.trim_ascii().is_empty()) else {
+        let Some((line, at)) = rows.next() else {
             return Err(truncated(path, Position::File, index, vertices.count));
         };
         let wrong = |found: String| {

@@ -5,7 +5,8 @@ use std::path::Path;
 use fieldstone_particles::Particles;
 
 use crate::assembly::{Assembly, Fault, Row};
-use crate::columns::{Columns, Dialect};
+use crate::column_names::Dialect;
+use crate::columns::Columns;
 use crate::{IoError, Position};
 
 /// Rows of numbers whose columns are named as in tables.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use fieldstone_mesh::{Coordinates, Grid};
 
 use crate::lines::{LineReader, number, shown, text, words};
-use crate::{AtomicFile, IoError};
+use crate::{AtomicFile, IoError, Position};
 
 /// First line of a `.stat` file: which points the fields are at, and how they were made.
 #[derive(Debug, Clone, PartialEq)]
@@ -287,15 +287,24 @@ impl StatWriter {
     /// Writes the fields of one time: for each its numbers, cell by cell with x fastest.
     ///
     /// # Errors
+    /// [`IoError::Content`] where there are more or fewer lists than fields, or numbers than points times components;
     /// [`IoError::System`].
-    ///
-    /// # Panics
-    /// Where there are more or fewer numbers than points times components.
     pub fn block(&mut self, time: f64, data: &[&[f64]]) -> Result<(), IoError> {
         let points: usize = self.header.points.iter().product();
-        assert_eq!(data.len(), self.fields.len(), "one list of numbers per field");
-        for (field, data) in self.fields.iter().zip(data) {
-            assert_eq!(data.len(), points * field.components, "{}: one number per point and component", field.name);
+        let refuse = |found: String| {
+            let remedy = "give each field a number per point and component; nothing of this time was written";
+            Err(IoError::content(&self.path, Position::File, found, remedy))
+        };
+        if data.len() != self.fields.len() {
+            return refuse(format!("{} lists of numbers were given for {} fields", data.len(), self.fields.len()));
+        }
+        for (StatField { name, components }, data) in self.fields.iter().zip(data) {
+            if data.len() != points * components {
+                let found = data.len();
+                return refuse(format!(
+                    "field '{name}' of {points} points times {components} components has {found} numbers"
+                ));
+            }
         }
         let resolved = self.header.resolved();
         let (low, high, n) = (self.header.low, self.header.high, self.header.points);

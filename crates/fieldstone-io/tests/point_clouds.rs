@@ -77,6 +77,18 @@ fn ply_points_are_the_same_in_text_and_in_either_byte_order() {
 }
 
 #[test]
+fn blank_lines_of_a_ply_text_are_no_rows_wherever_they_stand() {
+    let head = "ply\nformat ascii 1.0\nelement camera 2\nproperty float k\nelement mark 1\n\
+        element vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    for rows in ["7\n8\n1 2 3\n4 5 6\n", "\n7\n \n8\n\n1 2 3\n\r\n4 5 6\n\n"] {
+        let found = ply(format!("{head}{rows}").as_bytes()).unwrap();
+        assert_eq!(found.positions(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{rows:?}");
+    }
+    let error = ply(format!("{head}7\n\n\n8\n").as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("the file ends after 0 of the 2 vertices"), "{error}");
+}
+
+#[test]
 fn ply_surfaces_lists_and_damaged_headers_are_refused() {
     let head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
     for (content, expected) in [

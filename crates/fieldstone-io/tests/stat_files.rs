@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_io::{IoError, StatField, StatFile, StatHeader, StatWriter, read_stat};
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -47,6 +48,23 @@ fn rows_have_z_fastest_and_averaged_coordinates_are_left_out() {
     assert_eq!(file.blocks[0].data[0], [1.0, 2.0, 3.0, 4.0]);
 }
 
+#[test]
+fn lists_of_numbers_that_do_not_fit_the_fields_are_refused_and_the_file_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("z.stat");
+    let mut writer = StatWriter::create(&path, header("Z", [1, 1, 2]), vec![field("Density", 1)]).unwrap();
+    for (data, expected) in [
+        (&[][..], "0 lists of numbers were given for 1 fields"),
+        (&[&[1.0][..]][..], "field 'Density' of 2 points times 1 components has 1 numbers"),
+    ] {
+        let error = writer.block(0.5, data).unwrap_err();
+        assert!(matches!(error, IoError::Content { .. }) && error.to_string().contains(expected), "{error}");
+    }
+    writer.block(0.5, &[&[1.0, 2.0]]).unwrap();
+    writer.finish().unwrap();
+    assert_eq!(read_stat(&path).unwrap().blocks.len(), 1);
+}
+
 proptest! {
     #[test]
     fn what_is_written_reads_back_to_six_digits(
@@ -58,7 +76,7 @@ proptest! {
         let path = folder.path().join("any.stat");
         let count: usize = points.iter().product();
         let value = |k: usize| {
-            let x = f64::from(seed ^ (k as u32).wrapping_mul(0x9e37_79b9)) / 4e9 - 0.5;
+            let x = Random(u64::from(seed) + k as u64).uniform(-0.5, 0.5);
             x * 10f64.powi((k % 23) as i32 - 11)
         };
         let fields: Vec<StatField> = components.iter().enumerate().map(|(k, &n)| field(&format!("F{k}"), n)).collect();

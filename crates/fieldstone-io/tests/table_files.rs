@@ -205,8 +205,7 @@ fn a_table_gives_columns_by_name_and_rows_unchanged() {
     let table = CsvTable::read(&file.path).unwrap();
     assert_eq!(table.names(), ["cx", "cy", "cz", "r", "note"]);
     assert_eq!((table.len(), table.separator()), (2, Separator::Blanks));
-    assert_eq!((table.row(0), table.row(1)), ("0  0 1 0.5 a,b", "1 0 2 0.25 \"c d\""));
-    assert_eq!((table.line(0), table.line(1)), (3, 5));
+    assert!(table.rows().eq([(3, "0  0 1 0.5 a,b"), (5, "1 0 2 0.25 \"c d\"")]));
     assert_eq!(table.column("R").unwrap(), [0.5, 0.25]);
     assert!(table.has("CX") && !table.has("x"));
     let error = table.column("note").unwrap_err().to_string();
@@ -232,13 +231,48 @@ fn a_table_is_passed_on_with_more_columns_and_the_rest_unchanged() {
         let table = CsvTable::read(&input.path).unwrap();
         let out = input.path.with_file_name("out.csv");
         let mut writer = CsvWriter::extending(&out, &table, &["volume", "area"]).unwrap();
-        writer.row_extending(table.row(0), &[0.1, -0.0]).unwrap();
-        writer.row_extending(table.row(1), &[2.0, 1e300]).unwrap();
+        for ((_, row), numbers) in table.rows().zip([[0.1, -0.0], [2.0, 1e300]]) {
+            writer.row_extending(row, &numbers).unwrap();
+        }
         assert!(!out.exists(), "nothing appears before it is complete");
         writer.finish().unwrap();
         assert_eq!(std::fs::read_to_string(&out).unwrap(), expected);
         assert!(CsvTable::read(&out).unwrap().column("area").unwrap()[0].is_sign_negative());
     }
+}
+
+#[test]
+fn empty_last_fields_stay_where_they_are_when_columns_are_added() {
+    for (content, expected) in [
+        ("r,note\n1,\n2,a\n", "r,note,volume\n1,,0.5\n2,a,0.5\n"),
+        ("r,note,by\n1,,\n2,,b\n", "r,note,by,volume\n1,,,0.5\n2,,b,0.5\n"),
+        // With a separator behind the last column, too, in the header or in the rows alone.
+        ("r,note,\n1,,\n2,a\n", "r,note,volume\n1,,0.5\n2,a,0.5\n"),
+        ("r,note,by,,\n1,,,\n2,,\n", "r,note,by,volume\n1,,,0.5\n2,,,0.5\n"),
+        ("r;note\r\n1; \r\n2;a;\r\n", "r;note;volume\n1;;0.5\n2;a;0.5\n"),
+        ("r\tnote\n1\t\n2\ta\t\n", "r\tnote\tvolume\n1\t\t0.5\n2\ta\t0.5\n"),
+        ("r\tnote\tby\t\n1\t\t\n2\t\t\t\n", "r\tnote\tby\tvolume\n1\t\t\t0.5\n2\t\t\t0.5\n"),
+    ] {
+        let input = file(content);
+        let table = CsvTable::read(&input.path).unwrap();
+        let out = input.path.with_file_name("out.csv");
+        let mut writer = CsvWriter::extending(&out, &table, &["volume"]).unwrap();
+        for (_, row) in table.rows() {
+            writer.row_extending(row, &[0.5]).unwrap();
+        }
+        writer.finish().unwrap();
+        assert_eq!(std::fs::read_to_string(&out).unwrap(), expected, "of {content:?}");
+        assert_eq!(CsvTable::read(&out).unwrap().column("volume").unwrap(), [0.5; 2], "of {content:?}");
+    }
+}
+
+#[test]
+fn columns_of_different_lengths_are_refused_and_nothing_is_written() {
+    let input = file("");
+    let out = input.path.with_file_name("out.csv");
+    let error = write_csv(&out, &[("a", &[1.0, 2.0]), ("b", &[1.0])]).unwrap_err();
+    assert!(matches!(error, IoError::Content { .. }) && !out.exists());
+    assert!(error.to_string().contains("column 'b' has 1 rows, but 'a' has 2"), "{error}");
 }
 
 #[test]

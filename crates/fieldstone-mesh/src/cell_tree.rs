@@ -89,16 +89,15 @@ fn build(bounds: &[[DVec3; 2]], cells: &mut [u32], offset: u32, nodes: &mut Vec<
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::*;
 
     #[test]
     fn finds_exactly_the_boxes_that_meet_a_box() {
-        // Boxes of very different sizes, from a small linear congruential generator.
-        let mut state = 7u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut random = Random(7);
+        let mut next = || random.unit();
+        // Boxes of very different sizes.
         let bounds: Vec<[DVec3; 2]> = (0..1000)
             .map(|_| {
                 let low = DVec3::new(next(), next(), next());

@@ -192,15 +192,12 @@ mod tests {
     #[test]
     fn a_segment_walks_from_the_cell_of_one_end_to_that_of_the_other() {
         use crate::Cells;
+        use fieldstone_testing::Random;
         let grid = Grid::new([0.0; 3], [3.0, 2.0, 2.0], [5, 4, 3]).unwrap();
-        let mut seed = 5u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let random = &mut Random(5);
         for _ in 0..2000 {
-            let start: [f64; 3] = std::array::from_fn(|_| 4.0 * random() - 0.5);
-            let along: [f64; 3] = std::array::from_fn(|_| 3.0 * random() - 1.5);
+            let start: [f64; 3] = random.point(-0.5, 3.5);
+            let along: [f64; 3] = random.point(-1.5, 1.5);
             let mut balance = vec![0.0; grid.cell_count()];
             let end = std::array::from_fn(|k| start[k] + along[k]);
             grid.for_each_crossing(start, end, &mut |face, way| {

@@ -4,15 +4,13 @@
 
 use fieldstone_geometry::{Ball, CornerOrder, ElementKind, Orientation, PROMISE, Polyhedron, overlap, overlap_volume};
 use fieldstone_mesh::{CellList, Cells, Grid, Mesh, MeshError, MeshParts};
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 
 /// n³ hexahedra on the unit cube, their inner points moved by up to `jitter` cells.
 fn hexahedra(n: usize, jitter: f64, seed: u64) -> Mesh {
-    let mut state = seed;
-    let mut noise = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 2.0 * jitter / n as f64
-    };
+    let mut random = Random(seed);
+    let mut noise = || random.uniform(-1.0, 1.0) * jitter / n as f64;
     let mut points = Vec::new();
     for k in 0..=n {
         for j in 0..=n {

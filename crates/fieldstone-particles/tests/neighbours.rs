@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fieldstone_particles::{Domain, Image, NeighbourGrid, NeighbourOptions, ParticlesError};
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 
 /// Neighbours of a point by trying every particle and every image: (source, displacement) sorted.
@@ -205,9 +206,8 @@ fn one_outlier_stretches_neither_memory_nor_the_number_of_candidates() {
 
 #[test]
 fn the_sorted_order_is_the_same_for_any_number_of_threads() {
-    let positions: Vec<[f64; 3]> = (0..5000u32)
-        .map(|i| std::array::from_fn(|k| f64::from(i.wrapping_mul([2_654_435_761, 40_503, 7_919][k]) >> 8) * 1e-6))
-        .collect();
+    let mut random = Random(1);
+    let positions: Vec<[f64; 3]> = (0..5000).map(|_| random.point(0.0, 16.0)).collect();
     let build = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| NeighbourGrid::build(&positions, NeighbourOptions::new(0.8)).unwrap().sources().to_vec())

@@ -17,13 +17,11 @@ use fieldstone_particles::{NeighbourGrid, NeighbourOptions};
 use fieldstone_surface::{
     Detection, Exact, Geometrical, Haque, Marrone, Scene, SemiGeometrical, SurfaceDetection, Wang, WitnessCache,
 };
+use fieldstone_testing::Random;
 
 fn block(side: usize, noise: f64) -> Vec<[f64; 3]> {
-    let mut seed = 1u64;
-    let mut offset = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        noise * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
-    };
+    let mut random = Random(1);
+    let mut offset = || noise * random.uniform(-1.0, 1.0);
     let lattice = |i: usize| [i % side, i / side % side, i / (side * side)];
     (0..side.pow(3)).map(|i| lattice(i).map(|k| k as f64 + offset())).collect()
 }

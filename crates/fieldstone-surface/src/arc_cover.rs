@@ -89,31 +89,22 @@ pub(crate) fn uncovered_direction(caps: &[Cap], arcs: &mut Vec<(f64, f64)>) -> O
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::*;
 
-    /// Deterministic numbers in [0, 1).
-    struct Uniform(u64);
-
-    impl Uniform {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        fn direction(&mut self) -> DVec3 {
-            let (z, turn) = (2.0 * self.next() - 1.0, std::f64::consts::TAU * self.next());
-            let r = (1.0 - z * z).sqrt();
-            DVec3::new(r * turn.cos(), r * turn.sin(), z)
-        }
+    /// A cap around any direction.
+    fn cap(random: &mut Random, angle: impl FnOnce(&mut Random) -> f64) -> Cap {
+        Cap::new(random.direction().into(), angle(random))
     }
 
     #[test]
     fn the_arc_formula_agrees_with_points_of_the_circle_for_a_thousand_pairs_of_caps() {
-        let mut random = Uniform(1);
+        let mut random = Random(1);
         let mut kinds = [0; 3];
         for _ in 0..1000 {
-            let j = Cap::new(random.direction(), 0.05 + 1.5 * random.next());
-            let k = Cap::new(random.direction(), 0.05 + 1.5 * random.next());
+            let j = cap(&mut random, |r| r.uniform(0.05, 1.55));
+            let k = cap(&mut random, |r| r.uniform(0.05, 1.55));
             let (x, y) = j.axis.any_orthonormal_pair();
             let cover = cover_of_circle(&j, &k);
             let middle = k.axis.dot(y).atan2(k.axis.dot(x));
@@ -144,15 +135,14 @@ mod tests {
 
     #[test]
     fn a_thousand_arrangements_of_caps_cover_the_sphere_where_every_sample_of_it_is_covered() {
-        let mut random = Uniform(2);
-        let samples: Vec<DVec3> = (0..4000).map(|_| random.direction()).collect();
+        let mut random = Random(2);
+        let samples: Vec<DVec3> = (0..4000).map(|_| random.direction().into()).collect();
         let (mut covered, mut open) = (0, 0);
         let mut arcs = Vec::new();
         for _ in 0..1000 {
-            let largest = 0.5 + random.next();
-            let count = 1 + (random.next() * 40.0) as usize;
-            let caps: Vec<Cap> =
-                (0..count).map(|_| Cap::new(random.direction(), largest * (0.6 + 0.4 * random.next()))).collect();
+            let largest = random.uniform(0.5, 1.5);
+            let count = 1 + random.below(40);
+            let caps: Vec<Cap> = (0..count).map(|_| cap(&mut random, |r| largest * r.uniform(0.6, 1.0))).collect();
             let is_free = |p: DVec3, margin: f64| caps.iter().all(|c| p.dot(c.axis) < c.cos + margin);
             match uncovered_direction(&caps, &mut arcs) {
                 Some(direction) => {

@@ -41,13 +41,18 @@ impl Dilts {
     }
 }
 
+impl Dilts {
+    pub(crate) const NAME: &'static str = "dilts";
+    pub(crate) const DIMENSION: usize = 2;
+}
+
 impl SurfaceDetection for Dilts {
     fn name(&self) -> &'static str {
-        "dilts"
+        Self::NAME
     }
 
     fn only_dimension(&self) -> Option<usize> {
-        Some(2)
+        Some(Self::DIMENSION)
     }
 
     fn reach(&self, spacing: f64) -> f64 {

@@ -47,6 +47,14 @@ pub enum SurfaceError {
         /// Dimensions it exists in.
         supported: usize,
     },
+    /// No method has this name.
+    #[error("'{name}' is no detection method; choose one of {known}")]
+    UnknownMethod {
+        /// Name asked for.
+        name: String,
+        /// Names that there are.
+        known: String,
+    },
     /// The neighbour search was built for a smaller radius than the method looks at.
     #[error(
         "the {method} method looks at neighbours within {needed}, but the neighbour search reaches {reach}; build it for that"

@@ -33,9 +33,13 @@ pub struct Geometrical {
     pub cone: ScanningCone,
 }
 
+impl Geometrical {
+    pub(crate) const NAME: &'static str = "geometrical";
+}
+
 impl SurfaceDetection for Geometrical {
     fn name(&self) -> &'static str {
-        "geometrical"
+        Self::NAME
     }
 
     fn reach(&self, spacing: f64) -> f64 {

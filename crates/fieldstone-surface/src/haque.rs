@@ -31,13 +31,18 @@ impl Default for Haque {
     }
 }
 
+impl Haque {
+    pub(crate) const NAME: &'static str = "haque";
+    pub(crate) const DIMENSION: usize = 3;
+}
+
 impl SurfaceDetection for Haque {
     fn name(&self) -> &'static str {
-        "haque"
+        Self::NAME
     }
 
     fn only_dimension(&self) -> Option<usize> {
-        Some(3)
+        Some(Self::DIMENSION)
     }
 
     fn reach(&self, spacing: f64) -> f64 {

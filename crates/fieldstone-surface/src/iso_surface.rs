@@ -1,6 +1,7 @@
 use std::sync::LazyLock;
 
-use crate::triangle_mesh::cross;
+use glam::DVec3;
+
 use crate::{NodeField, TriangleMesh};
 
 /// Corners of a cell in binary: x is the lowest bit.
@@ -36,13 +37,10 @@ fn cases(tetrahedron: [Corner; 4]) -> Cases {
 
 /// The triangle wound so that its normal points from the inner to the outer corners.
 fn outwards([a, b, c]: [[Corner; 2]; 3]) -> [[Corner; 2]; 3] {
-    let corner = |k: Corner| [0, 1, 2].map(|axis| (k >> axis & 1) as f64);
-    let middle = |[i, o]: [Corner; 2]| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (corner(i)[k] + corner(o)[k])) };
-    let along = |p: [f64; 3], q: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| q[k] - p[k]) };
-    let normal = cross(along(middle(a), middle(b)), along(middle(a), middle(c)));
-    let out = along(corner(a[0]), corner(a[1]));
-    let ahead: f64 = (0..3).map(|k| normal[k] * out[k]).sum();
-    if ahead > 0.0 { [a, b, c] } else { [a, c, b] }
+    let corner = |k: Corner| DVec3::from([0, 1, 2].map(|axis| (k >> axis & 1) as f64));
+    let middle = |[i, o]: [Corner; 2]| 0.5 * (corner(i) + corner(o));
+    let normal = (middle(b) - middle(a)).cross(middle(c) - middle(a));
+    if normal.dot(corner(a[1]) - corner(a[0])) > 0.0 { [a, b, c] } else { [a, c, b] }
 }
 
 /// What to do where the fluid ends at a wall, a boundary particle or the box ([`NodeField::at_wall`]).
@@ -226,6 +224,8 @@ fn drop_unused(mesh: &mut TriangleMesh) {
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::*;
     use crate::Nodes;
 
@@ -270,14 +270,10 @@ mod tests {
             assert!(pattern == 0 || mesh.volume() > 0.0);
         }
         let nodes = Nodes::new([0.0; 3], [1.0; 3], [17, 11, 13]).unwrap();
-        let mut seed = 3u64;
+        let mut random = Random(3);
         for _ in 0..20 {
-            let mut next = || {
-                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                // Ties with the surface's value, too.
-                ((seed >> 60) as f64) - 7.0
-            };
-            let values = (0..nodes.len()).map(|_| next()).collect();
+            // Ties with the surface's value, too.
+            let values = (0..nodes.len()).map(|_| random.whole(-7, 8)).collect();
             let field = NodeField { nodes: nodes.clone(), values, surface_value: 0.0, at_wall: Vec::new() };
             let found = iso_surface(&field, Walls::Closed).topology().unwrap();
             assert!(found.is_closed() && found.is_manifold(), "{found:?}");

@@ -37,17 +37,28 @@ pub fn levels(
     detection: &Detection,
     vicinity: f64,
 ) -> Result<Vec<u8>, SurfaceError> {
+    levels_of(positions, scene.grid.options(), scene.candidates, detection, vicinity)
+}
+
+/// As [`levels`], by what of a scene it takes.
+pub(crate) fn levels_of(
+    positions: &[[f64; 3]],
+    options: &NeighbourOptions,
+    candidates: Option<&[bool]>,
+    detection: &Detection,
+    vicinity: f64,
+) -> Result<Vec<u8>, SurfaceError> {
     if positions.len() != detection.len() {
         return Err(SurfaceError::Length { name: "positions", found: positions.len(), expected: detection.len() });
     }
     let surface: Vec<[f64; 3]> =
         positions.iter().enumerate().filter(|&(i, _)| detection.is_free_surface(i)).map(|(_, &p)| p).collect();
-    let grid = NeighbourGrid::build(&surface, NeighbourOptions { reach: vicinity, ..*scene.grid.options() })?;
+    let grid = NeighbourGrid::build(&surface, NeighbourOptions { reach: vicinity, ..*options })?;
     let level = |(particle, &at): (usize, &[f64; 3])| -> Result<u8, SurfaceError> {
         if detection.is_free_surface(particle) {
             return Ok(0);
         }
-        if scene.candidates.is_some_and(|candidates| !candidates[particle]) {
+        if candidates.is_some_and(|candidates| !candidates[particle]) {
             return Ok(2);
         }
         let mut near = false;

@@ -34,9 +34,13 @@ impl Default for Marrone {
     }
 }
 
+impl Marrone {
+    pub(crate) const NAME: &'static str = "marrone";
+}
+
 impl SurfaceDetection for Marrone {
     fn name(&self) -> &'static str {
-        "marrone"
+        Self::NAME
     }
 
     fn reach(&self, spacing: f64) -> f64 {

@@ -6,6 +6,14 @@ use crate::{
 };
 
 /// The methods by name.
+///
+/// ```
+/// use fieldstone_surface::{Method, SurfaceError};
+/// let method: Method = "sun".parse()?;
+/// assert!(method.supports(2) && !method.supports(3));
+/// assert!(matches!("moon".parse::<Method>(), Err(SurfaceError::UnknownMethod { .. })));
+/// # Ok::<(), SurfaceError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
     /// [`Exact`].
@@ -43,22 +51,23 @@ impl Method {
     /// Name, as it is parsed and printed.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Exact => "exact",
-            Self::Geometrical => "geometrical",
-            Self::SemiGeometrical => "semi",
-            Self::Haque => "haque",
-            Self::Marrone => "marrone",
-            Self::Wang => "wang",
-            Self::Sun => "sun",
-            Self::Dilts => "dilts",
+            Self::Exact => Exact::NAME,
+            Self::Geometrical => Geometrical::NAME,
+            Self::SemiGeometrical => SemiGeometrical::NAME,
+            Self::Haque => Haque::NAME,
+            Self::Marrone => Marrone::NAME,
+            Self::Wang => Wang::NAME,
+            Self::Sun => Sun::NAME,
+            Self::Dilts => Dilts::NAME,
         }
     }
 
     /// Whether the method exists in 2 or 3 dimensions.
     pub fn supports(self, dimension: usize) -> bool {
         match self {
-            Self::Haque => dimension == 3,
-            Self::Sun | Self::Dilts => dimension == 2,
+            Self::Haque => dimension == Haque::DIMENSION,
+            Self::Sun => dimension == Sun::DIMENSION,
+            Self::Dilts => dimension == Dilts::DIMENSION,
             _ => dimension == 2 || dimension == 3,
         }
     }
@@ -89,12 +98,12 @@ impl fmt::Display for Method {
 }
 
 impl FromStr for Method {
-    type Err = String;
+    type Err = SurfaceError;
 
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            let names: Vec<_> = Self::ALL.iter().map(|m| m.name()).collect();
-            format!("'{name}' is no detection method; choose one of {}", names.join(", "))
+    fn from_str(name: &str) -> Result<Self, SurfaceError> {
+        Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| SurfaceError::UnknownMethod {
+            name: name.into(),
+            known: Self::ALL.map(Self::name).join(", "),
         })
     }
 }

@@ -142,17 +142,15 @@ pub(crate) fn smallest_eigenvalue(m: &DMat3, dimension: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::*;
 
     #[test]
     fn the_smallest_eigenvalue_is_a_root_of_the_characteristic_polynomial() {
-        let mut seed = 5u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut random = Random(5);
         for _ in 0..200 {
-            let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|_| next());
+            let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
             let m = DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
             let least = smallest_eigenvalue(&m, 3);
             let shifted = m - DMat3::from_diagonal(DVec3::splat(least));

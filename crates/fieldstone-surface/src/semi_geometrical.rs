@@ -44,9 +44,13 @@ impl Default for SemiGeometrical {
     }
 }
 
+impl SemiGeometrical {
+    pub(crate) const NAME: &'static str = "semi";
+}
+
 impl SurfaceDetection for SemiGeometrical {
     fn name(&self) -> &'static str {
-        "semi"
+        Self::NAME
     }
 
     fn reach(&self, spacing: f64) -> f64 {

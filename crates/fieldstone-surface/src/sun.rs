@@ -35,13 +35,18 @@ pub struct Sun {
     pub cone: ScanningCone,
 }
 
+impl Sun {
+    pub(crate) const NAME: &'static str = "sun";
+    pub(crate) const DIMENSION: usize = 2;
+}
+
 impl SurfaceDetection for Sun {
     fn name(&self) -> &'static str {
-        "sun"
+        Self::NAME
     }
 
     fn only_dimension(&self) -> Option<usize> {
-        Some(2)
+        Some(Self::DIMENSION)
     }
 
     fn reach(&self, spacing: f64) -> f64 {

@@ -1,8 +1,7 @@
 use crate::kernel::{Kernel, Smoothing};
+use crate::levels::levels_of;
 use crate::plausibility::third_coordinate;
-use crate::{
-    Detection, Exposure, SurfaceDetection, SurfaceError, Surroundings, exposure, implausibilities, levels, normals,
-};
+use crate::{Detection, Exposure, SurfaceDetection, SurfaceError, Surroundings, exposure, implausibilities, normals};
 
 /// What [`detect_surface`] computes beside the labels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,25 +70,60 @@ pub fn detect_surface(
     let scene = surroundings.scene(&grid);
     let mut warnings = implausibilities(&scene);
     warnings.extend(third_coordinate(positions, surroundings.dimension, spacing));
-    let detection = method.detect(&scene)?;
-    // What looks farther than the method gets a grid of its own: a wider one would slow the detection down.
-    let normals = match &options.normals {
-        None => None,
-        Some(smoothing) => {
-            let wide = surroundings.grid(positions, smoothing.support() * spacing)?;
-            Some(normals(&surroundings.scene(&wide), smoothing)?)
-        }
-    };
-    let exposures = match options.exposure {
-        None => None,
-        Some(radius) => {
-            let wide = surroundings.grid(positions, radius * spacing)?;
-            Some(exposure(&surroundings.scene(&wide), radius)?)
-        }
-    };
-    let levels = match options.vicinity {
-        None => None,
-        Some(vicinity) => Some(levels(&scene, positions, &detection, vicinity * spacing)?),
-    };
-    Ok(Surface { detection, normals, levels, exposures, warnings })
+    let surface = Surface::of_detection(positions, method.detect(&scene)?, surroundings, options)?;
+    Ok(Surface { warnings, ..surface })
+}
+
+impl Surface {
+    /// What `options` ask for about particles that have their labels already; without warnings.
+    ///
+    /// # Errors
+    /// As [`Surroundings::grid`], [`levels`](crate::levels), [`normals`] and [`exposure`].
+    ///
+    /// ```
+    /// use fieldstone_surface::{Exact, Surface, SurfaceDetection, SurfaceOptions, Surroundings};
+    /// let block: Vec<[f64; 3]> = (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(f64::from)).collect();
+    /// let surroundings = Surroundings::new(1.0);
+    /// let method = Exact::default();
+    /// let grid = surroundings.grid(&block, method.reach(1.0))?;
+    /// let detection = method.detect(&surroundings.scene(&grid))?;
+    /// let options = SurfaceOptions { vicinity: Some(1.5), ..SurfaceOptions::LABELS };
+    /// let surface = Surface::of_detection(&block, detection, &surroundings, &options)?;
+    /// // Below the outermost layer there are 7³ particles, of which 5³ are inside.
+    /// let vicinity = surface.levels.iter().flatten().filter(|level| **level == 1).count();
+    /// assert_eq!(vicinity, 343 - 125);
+    /// # Ok::<(), fieldstone_surface::SurfaceError>(())
+    /// ```
+    pub fn of_detection(
+        positions: &[[f64; 3]],
+        detection: Detection,
+        surroundings: &Surroundings,
+        options: &SurfaceOptions,
+    ) -> Result<Self, SurfaceError> {
+        // Each looks as far as it has to: one grid for the widest would slow the others down.
+        let spacing = surroundings.spacing;
+        let normals = match &options.normals {
+            None => None,
+            Some(smoothing) => {
+                let grid = surroundings.grid(positions, smoothing.support() * spacing)?;
+                Some(normals(&surroundings.scene(&grid), smoothing)?)
+            }
+        };
+        let exposures = match options.exposure {
+            None => None,
+            Some(radius) => {
+                let grid = surroundings.grid(positions, radius * spacing)?;
+                Some(exposure(&surroundings.scene(&grid), radius)?)
+            }
+        };
+        let levels = match options.vicinity {
+            None => None,
+            Some(vicinity) => {
+                let reach = vicinity * spacing;
+                let candidates = surroundings.candidates.as_deref();
+                Some(levels_of(positions, &surroundings.options(reach), candidates, &detection, reach)?)
+            }
+        };
+        Ok(Self { detection, normals, levels, exposures, warnings: Vec::new() })
+    }
 }

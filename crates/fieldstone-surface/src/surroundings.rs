@@ -32,14 +32,18 @@ impl Surroundings {
     /// The spacing is no length; as [`NeighbourGrid::build`].
     pub fn grid(&self, positions: &[[f64; 3]], reach: f64) -> Result<NeighbourGrid, SurfaceError> {
         check_spacing_value(self.spacing)?;
-        let options = NeighbourOptions { reach, dimension: self.dimension, domain: self.domain };
         // Positions that are not finite have no mirror image; the grid names them.
         let images = if positions.iter().all(|p| p.iter().all(|x| x.is_finite())) {
             wall_images(positions, &self.walls, reach)
         } else {
             Vec::new()
         };
-        Ok(NeighbourGrid::build_with_images(positions, &images, options)?)
+        Ok(NeighbourGrid::build_with_images(positions, &images, self.options(reach))?)
+    }
+
+    /// Options of a neighbour search that looks as far as `reach`.
+    pub(crate) fn options(&self, reach: f64) -> NeighbourOptions {
+        NeighbourOptions { reach, dimension: self.dimension, domain: self.domain }
     }
 
     /// The scene for a grid of these particles.

@@ -1,5 +1,7 @@
 use std::collections::HashMap;
 
+use glam::DVec3;
+
 use crate::SurfaceError;
 
 /// A surface of triangles, wound so that their normals point out of the fluid.
@@ -51,17 +53,17 @@ impl TriangleMesh {
     ///
     /// Corners are taken relative to the first one, so that distance from the origin costs no digits.
     pub fn volume(&self) -> f64 {
-        self.corners().map(|[a, b, c]| dot(a, cross(b, c))).sum::<f64>() / 6.0
+        self.corners().map(|[a, b, c]| a.dot(b.cross(c))).sum::<f64>() / 6.0
     }
 
     /// Area of all triangles.
     pub fn area(&self) -> f64 {
-        self.corners().map(|[a, b, c]| 0.5 * length(cross(minus(b, a), minus(c, a)))).sum()
+        self.corners().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
     }
 
-    fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> {
-        let origin = self.points.first().copied().unwrap_or_default();
-        self.triangles.iter().map(move |t| t.map(|p| minus(self.points[p as usize], origin)))
+    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        let origin = DVec3::from(self.points.first().copied().unwrap_or_default());
+        self.triangles.iter().map(move |t| t.map(|p| DVec3::from(self.points[p as usize]) - origin))
     }
 
     /// Checks how the triangles hang together.
@@ -168,22 +170,6 @@ impl TriangleMesh {
         }
         (0..self.points.len()).filter(|&p| used[p] && parent[p] as usize == p).count()
     }
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

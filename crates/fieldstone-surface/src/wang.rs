@@ -34,9 +34,13 @@ impl Default for Wang {
     }
 }
 
+impl Wang {
+    pub(crate) const NAME: &'static str = "wang";
+}
+
 impl SurfaceDetection for Wang {
     fn name(&self) -> &'static str {
-        "wang"
+        Self::NAME
     }
 
     fn reach(&self, spacing: f64) -> f64 {

@@ -5,12 +5,13 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Uniform, block};
+use common::block;
 use fieldstone_particles::Domain;
 use fieldstone_surface::{
     Column, Exact, LevelSetOptions, NodeField, Nodes, Support, SurfaceDistance, SurfaceOptions, Surroundings, Topology,
     TriangleMesh, Wall, Walls, density_field, detect_surface, interpolate, iso_surface, level_set,
 };
+use fieldstone_testing::Random;
 
 /// Lattice points of unit spacing for which `inside` holds, around an irregular centre.
 fn body(half_widths: [f64; 3], inside: impl Fn([f64; 3]) -> bool) -> Vec<[f64; 3]> {
@@ -210,8 +211,8 @@ fn moving_least_squares_are_exact_for_linear_fields_in_disorder_and_fall_back_in
     let linear = |p: [f64; 3]| 3.0 - 2.0 * p[0] + 0.5 * p[1] + p[2];
     let data: Vec<f64> = particles.iter().map(|&p| linear(p)).collect();
     let columns = [Column { components: 1, data: &data }];
-    let mut random = Uniform(5);
-    let points: Vec<[f64; 3]> = (0..500).map(|_| std::array::from_fn(|_| 9.0 * random.number())).collect();
+    let mut random = Random(5);
+    let points: Vec<[f64; 3]> = (0..500).map(|_| random.point(0.0, 9.0)).collect();
     let found = interpolate(&particles, &Surroundings::new(1.0), &columns, &points, 1.5).unwrap();
     for ((point, value), support) in points.iter().zip(&found.values[0]).zip(&found.support) {
         assert_eq!(*support, Support::Linear);

@@ -3,12 +3,13 @@
 
 mod common;
 
-use common::{Uniform, block, directions, labels, largest_empty_cone};
+use common::{block, directions, labels, largest_empty_cone};
 use fieldstone_io::{ParticleOptions, open_particles};
 use fieldstone_particles::{NeighbourGrid, NeighbourOptions};
 use fieldstone_surface::{
     Comparison, Detection, Exact, Geometrical, ScanningCone, Scene, SemiGeometrical, SurfaceDetection, WitnessCache,
 };
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 
 /// Margin of the angle in radians within which labels are a matter of rounding: the caps' own enlargement and as much
@@ -46,8 +47,8 @@ fn on_lattices_and_jittered_lattices_exact_is_geometrical_is_the_oracle() {
 #[test]
 fn in_random_clouds_of_any_density_exact_is_geometrical_is_the_oracle() {
     for (count, side) in [(300, 40.0), (600, 14.0), (1500, 12.0), (800, 6.0)] {
-        let mut random = Uniform(count as u64);
-        let cloud: Vec<[f64; 3]> = (0..count).map(|_| random.offset().map(|x| 0.5 * side * x)).collect();
+        let mut random = Random(count as u64);
+        let cloud: Vec<[f64; 3]> = (0..count).map(|_| random.point(-0.5 * side, 0.5 * side)).collect();
         assert_exact(&format!("{count} in {side}"), &cloud, 1.0, 12);
     }
 }
@@ -175,8 +176,8 @@ proptest! {
         scale in 0.01f64..100.0,
         count in 2usize..120,
     ) {
-        let mut random = Uniform(seed);
-        let cloud: Vec<[f64; 3]> = (0..count).map(|_| random.offset().map(|x| 2.5 * x)).collect();
+        let mut random = Random(seed);
+        let cloud: Vec<[f64; 3]> = (0..count).map(|_| random.point(-2.5, 2.5)).collect();
         let exact = labels(&cloud, &Exact::default(), 1.0, 3);
         let (s, c) = angles[0].sin_cos();
         let (u, v) = angles[1].sin_cos();
@@ -202,17 +203,17 @@ proptest! {
 
     #[test]
     fn few_neighbours_are_decided_as_by_brute_force(seed in 0u64..100_000, count in 1usize..14, flat in any::<bool>()) {
-        let mut random = Uniform(seed);
+        let mut random = Random(seed);
         let mut cluster = vec![[0.0; 3]];
         for _ in 0..count {
-            let p = random.offset();
+            let p = random.point(-1.0, 1.0);
             // Coplanar, coincident and opposite neighbours are what drops and jets are made of.
             let p = if flat { [p[0], p[1], 0.0] } else { p };
             cluster.push(p);
-            if random.number() < 0.2 {
+            if random.unit() < 0.2 {
                 cluster.push(p);
             }
-            if random.number() < 0.3 {
+            if random.unit() < 0.3 {
                 cluster.push(p.map(|x| -0.5 * x));
             }
         }

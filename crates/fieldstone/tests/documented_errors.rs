@@ -46,14 +46,14 @@ fn measured() -> BTreeMap<String, Family> {
         let corners: Vec<[Vec<f64>; 3]> = (0..kind.corner_count().unwrap())
             .map(|k| ["x", "y", "z"].map(|axis| column(&format!("{axis}{k}"))))
             .collect();
-        for row in 0..table.len() {
+        for (row, (_, text)) in table.rows().enumerate() {
             let at = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| column[row]);
             let points: Vec<[f64; 3]> = corners.iter().map(at).collect();
             let element = Polyhedron::element(kind, CornerOrder::Cgns, &points, Orientation::Refuse).unwrap();
             let ball = Ball::new(at(&centre), radius[row]).unwrap();
             let found = certified_overlap(&ball, &element);
             let error = (found.overlap.volume - exact[row]).abs() / ball.volume().min(element.volume());
-            let family = families.entry(table.row(row).split(',').next().unwrap().into()).or_default();
+            let family = families.entry(text.split(',').next().unwrap().into()).or_default();
             family.cases += 1;
             family.worst_volume = family.worst_volume.max(error);
             family.precisions[found.precision as usize] += 1;

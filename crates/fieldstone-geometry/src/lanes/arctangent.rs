@@ -60,6 +60,8 @@ fn pair<L: Lanes>(k: usize, z2: L) -> L {
 
 #[cfg(test)]
 mod tests {
+    use fieldstone_testing::Random;
+
     use super::super::lane::Single;
     use super::*;
 
@@ -69,11 +71,8 @@ mod tests {
 
     #[test]
     fn agrees_with_the_standard_library_in_every_octant_and_at_every_scale() {
-        let mut state = 1u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 2.0
-        };
+        let mut random = Random(1);
+        let mut next = || random.uniform(-1.0, 1.0);
         let mut worst = 0.0f64;
         for round in 0..200_000 {
             let scale = 10f64.powi(round % 7 * 20 - 60);

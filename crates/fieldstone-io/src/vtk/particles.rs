@@ -8,27 +8,30 @@ use super::data::{VtkData, VtkKind};
 use super::fault::Fault;
 use super::read_vtk;
 use super::scalar::whole_numbers;
+use crate::column_names::{Dialect, FreeColumns, SizeColumn, sizes_differ};
 use crate::{DataArray, IoError, Position};
 
 /// Reads the points of a `.vtu`, `.vtp` or legacy file as particles.
 ///
 /// | array on points | becomes |
 /// |---|---|
-/// | `radius`, `Radius`, `radii`, `R` | radii |
-/// | `diameter`, `Diameter`, `d` | radii, halved, where there is no radius |
-/// | `id`, `ID`, `Id`; `type`, `Type` | ids, types, where they are whole numbers |
-/// | `v`, `velocity`, `Velocity`, `U` | `velocity` |
-/// | `f`, `force`, `Force` | `force` |
+/// | `radius`, `radii`, `r`, `rad` | radii |
+/// | `diameter`, `d`, `diam` | radii, halved, where there is no radius |
+/// | `id`; `type`, `matId` | ids, types, where they are whole numbers |
+/// | `v`, `velocity`, `U` | `velocity` |
+/// | `f`, `force` | `force` |
 /// | `omega` | `angular_velocity` |
-/// | `rho`, `density` | `density` |
+/// | `mass`; `rho`, `density` | `mass`; `density` |
 /// | any other | a quantity of its own name |
+///
+/// Letter case does not matter, but for `U`; the names are those of tables ([`crate::CsvReader`]).
 ///
 /// Points that a parallel program marked as copies in `vtkGhostType` are left out. Field data `TimeValue` give
 /// the time.
 ///
 /// # Errors
-/// Those of [`read_vtk`]; [`IoError::Content`] for a regular grid; [`IoError::Particles`] where a radius is not
-/// above zero or a position is not finite.
+/// Those of [`read_vtk`]; [`IoError::Content`] for a regular grid, and where a `diameter` is not twice the `radius` beside
+/// it; [`IoError::Particles`] where a radius is not above zero or a position is not finite.
 ///
 /// ```
 /// use fieldstone_io::vtk::read_vtk_particles;
@@ -44,19 +47,6 @@ use crate::{DataArray, IoError, Position};
 pub fn read_vtk_particles(path: &Path) -> Result<Particles, IoError> {
     read_vtk(path)?.to_particles()
 }
-
-const RADIUS: [&str; 4] = ["radius", "Radius", "radii", "R"];
-const DIAMETER: [&str; 3] = ["diameter", "Diameter", "d"];
-const ID: [&str; 3] = ["id", "ID", "Id"];
-const TYPE: [&str; 2] = ["type", "Type"];
-
-/// Standard names, what files call them, and numbers per particle.
-const STANDARD: [(&str, &[&str], usize); 4] = [
-    ("velocity", &["velocity", "Velocity", "v", "U"], 3),
-    ("force", &["force", "Force", "f"], 3),
-    ("angular_velocity", &["angular_velocity", "omega"], 3),
-    ("density", &["density", "Density", "rho"], 1),
-];
 
 impl VtkData {
     /// The points with their columns as particles.
@@ -80,10 +70,33 @@ impl VtkData {
             );
             return Err(fault.in_file(&self.path));
         }
-        self.particles().map_err(|source| IoError::Particles { path: self.path.clone(), source })
+        let scalars = self.columns(1);
+        let size = scalars.size();
+        if let Some(SizeColumn { column, diameter: Some(other), .. }) = size {
+            self.check_sizes(&self.point_data[column], &self.point_data[other])?;
+        }
+        self.particles(scalars, size).map_err(|source| IoError::Particles { path: self.path.clone(), source })
     }
 
-    fn particles(&self) -> Result<Particles, ParticlesError> {
+    /// The arrays on points with so many components, to be looked up by their names.
+    fn columns(&self, components: usize) -> FreeColumns<'_> {
+        let mut columns = FreeColumns::new(Dialect::Table, self.point_data.iter().map(|array| array.name.as_str()));
+        columns.take((0..self.point_data.len()).filter(|&k| self.point_data[k].components != components));
+        columns
+    }
+
+    /// Refuses diameters that contradict the radii.
+    fn check_sizes(&self, radius: &DataArray, diameter: &DataArray) -> Result<(), IoError> {
+        let sizes = radius.values.to_f64().into_iter().zip(diameter.values.to_f64());
+        let Some((point, (r, d))) = sizes.enumerate().find(|&(_, (r, d))| sizes_differ(r, d)) else { return Ok(()) };
+        let found = format!(
+            "at point {point} '{}' is {r} and '{}' is {d}, which is not twice as much",
+            radius.name, diameter.name
+        );
+        Err(IoError::content(&self.path, Position::File, found, "remove or rename the array that is wrong"))
+    }
+
+    fn particles(&self, mut scalars: FreeColumns<'_>, size: Option<SizeColumn>) -> Result<Particles, ParticlesError> {
         let ghosts = self.duplicates(&self.point_data);
         let keep = |point: usize| ghosts.get(point) != Some(&true);
         let positions = self.points.iter().enumerate().filter(|&(k, _)| keep(k)).map(|(_, &p)| p).collect();
@@ -96,42 +109,31 @@ impl VtkData {
             Some(numbers.into_iter().enumerate().filter(|&(k, _)| keep(k)).map(|(_, x)| x).collect())
         };
         let mut particles = Particles::new(positions)?.at(None, self.time);
-        let mut used = Vec::new();
-        if let Some(array) = self.first_of(&RADIUS, 1) {
-            particles = particles.with_radii(kept(array))?;
-            used.push(array.name.as_str());
-        } else if let Some(array) = self.first_of(&DIAMETER, 1) {
-            particles = particles.with_radii(kept(array).into_iter().map(|d| 0.5 * d).collect())?;
-            used.push(&array.name);
+        if let Some(SizeColumn { column, factor, .. }) = size {
+            let sizes = kept(&self.point_data[column]);
+            particles = particles.with_radii(sizes.into_iter().map(|size| factor * size).collect())?;
+            scalars.take([column]);
         }
-        if let Some((array, ids)) = self.first_of(&ID, 1).and_then(|a| Some((a, kept_whole(a)?))) {
+        let mut used: Vec<usize> = size.map(|size| size.column).into_iter().collect();
+        if let Some((column, ids)) = scalars.id().and_then(|c| Some((c, kept_whole(&self.point_data[c])?))) {
             particles = particles.with_ids(ids)?;
-            used.push(&array.name);
+            used.push(column);
         }
-        if let Some((array, types)) = self.first_of(&TYPE, 1).and_then(|a| Some((a, kept_whole(a)?))) {
+        if let Some((column, types)) = scalars.kind().and_then(|c| Some((c, kept_whole(&self.point_data[c])?))) {
             particles = particles.with_types(types)?;
-            used.push(&array.name);
+            used.push(column);
         }
-        let mut renamed = Vec::new();
-        for (standard, names, components) in STANDARD {
-            if let Some(array) = self.first_of(names, components) {
-                renamed.push((array.name.as_str(), standard));
-            }
-        }
-        for array in &self.point_data {
-            if used.contains(&array.name.as_str()) || array.name == "vtkGhostType" {
+        let mut renamed = scalars.renamed_scalars();
+        renamed.extend(self.columns(3).renamed_vectors());
+        for (column, array) in self.point_data.iter().enumerate() {
+            if used.contains(&column) || array.name == "vtkGhostType" {
                 continue;
             }
-            let standard = renamed.iter().find(|(name, _)| *name == array.name).map(|&(_, standard)| standard);
+            let standard = renamed.iter().find(|&&(of, _)| of == column).map(|&(_, standard)| standard);
             let name = standard.unwrap_or(&array.name).to_owned();
             particles = particles.with_quantity(Quantity { name, components: array.components, data: kept(array) })?;
         }
         Ok(particles)
-    }
-
-    /// The first of `names` that is an array on points with so many components.
-    fn first_of(&self, names: &[&str], components: usize) -> Option<&DataArray> {
-        names.iter().find_map(|name| self.point_data.iter().find(|a| a.name == *name && a.components == components))
     }
 }
 
@@ -153,6 +155,37 @@ mod tests {
         let p = p.to_particles().unwrap();
         assert_eq!(p.radii().unwrap(), [0.5, 0.25]);
         assert_eq!(p.quantity("d").unwrap().data, [9.0, 9.0]);
+    }
+
+    #[test]
+    fn names_are_found_in_any_letter_case_as_in_tables() {
+        let arrays = ["RAD", "Mass", "Rho", "ID", "MatId"].map(|name| DataArray::scalar(name, vec![2.0, 4.0]));
+        let mut arrays = arrays.to_vec();
+        arrays.push(DataArray::floats("VELOCITY", 3, vec![1.0; 6]));
+        arrays.push(DataArray::floats("u", 3, vec![3.0; 6]));
+        let p = two(arrays).to_particles().unwrap();
+        assert_eq!(
+            (p.radii().unwrap(), p.ids().unwrap(), p.types().unwrap()),
+            (&[2.0, 4.0][..], &[2, 4][..], &[2, 4][..])
+        );
+        for name in ["mass", "density"] {
+            assert_eq!(p.quantity(name).unwrap().data, [2.0, 4.0], "{name}");
+        }
+        assert_eq!(p.quantity("velocity").unwrap().data, [1.0; 6]);
+        // A displacement, perhaps.
+        assert_eq!(p.quantity("u").unwrap().data, [3.0; 6]);
+    }
+
+    #[test]
+    fn a_diameter_that_is_not_twice_the_radius_beside_it_is_refused_with_its_point_and_both_values() {
+        let sizes = |diameters| {
+            let arrays = [("radius", vec![0.5, 0.25]), ("Diameter", diameters)];
+            two(arrays.map(|(name, data)| DataArray::scalar(name, data)).to_vec()).to_particles()
+        };
+        assert_eq!(sizes(vec![1.0, 0.5]).unwrap().quantity("Diameter").unwrap().data, [1.0, 0.5]);
+        let message = sizes(vec![1.0, 0.25]).unwrap_err().to_string();
+        let expected = "at point 1 'radius' is 0.25 and 'Diameter' is 0.25, which is not twice as much";
+        assert!(message.contains(expected), "{message}");
     }
 
     #[test]

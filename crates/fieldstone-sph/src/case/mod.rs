@@ -12,7 +12,7 @@ mod shipped;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use fieldstone_surface::{Method, Wall};
+use fieldstone_surface::{Method, SurfaceError, Wall};
 use serde::{Deserialize, Serialize};
 
 pub use motion::MotionSection;
@@ -227,8 +227,10 @@ impl Case {
             largest: s.time.largest.unwrap_or(f64::INFINITY),
         };
         if let Some(shifting) = &s.shifting {
-            let method: Method =
-                shifting.detection.parse().map_err(|e: String| self.fault("shifting", 0, "detection", e))?;
+            let method: Method = shifting
+                .detection
+                .parse()
+                .map_err(|e: SurfaceError| self.fault("shifting", 0, "detection", e.to_string()))?;
             if !method.supports(s.dimension) {
                 let message = format!("the {method} method does not exist in {} dimensions", s.dimension);
                 return Err(self.fault("shifting", 0, "detection", message));

@@ -176,20 +176,9 @@ fn max(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use fieldstone_testing::Random;
 
-    fn direction(seed: &mut u64) -> DVec3 {
-        let mut next = || {
-            *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        loop {
-            let p = DVec3::new(next(), next(), next());
-            if p.length() < 1.0 && p.length() > 0.1 {
-                return p.normalize();
-            }
-        }
-    }
+    use super::*;
 
     /// Distance of a direction to a square, as far as corners and interior samples tell.
     fn farthest(square: &Square, z: DVec3) -> f64 {
@@ -207,7 +196,7 @@ mod tests {
 
     #[test]
     fn squares_of_the_table_are_wholly_within_the_angle() {
-        let mut seed = 3;
+        let mut random = Random(3);
         for degrees in [30.0f64, 45.0, 70.0, 89.0] {
             let table = CoverTable::new(degrees.to_radians());
             let mut covered = 0;
@@ -217,7 +206,7 @@ mod tests {
                     let t = |k: i32| f64::from(n / 5i32.pow(k as u32) % 5 - 2);
                     DVec3::new(t(0), t(1), t(2)).normalize_or(DVec3::X)
                 } else {
-                    direction(&mut seed)
+                    random.direction().into()
                 };
                 let set = table.covered(cell_of(3.0 * z.x, 3.0 * z.y, 3.0 * z.z) as usize);
                 for (q, square) in table.squares.iter().enumerate() {

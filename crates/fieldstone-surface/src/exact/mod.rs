@@ -136,9 +136,13 @@ impl Exact {
     }
 }
 
+impl Exact {
+    pub(crate) const NAME: &'static str = "exact";
+}
+
 impl SurfaceDetection for Exact {
     fn name(&self) -> &'static str {
-        "exact"
+        Self::NAME
     }
 
     fn reach(&self, spacing: f64) -> f64 {

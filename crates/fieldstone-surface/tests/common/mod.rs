@@ -3,30 +3,16 @@
 
 use fieldstone_particles::{NeighbourGrid, NeighbourOptions};
 use fieldstone_surface::{Scene, SurfaceDetection};
-
-/// Deterministic numbers in [0, 1).
-pub struct Uniform(pub u64);
-
-impl Uniform {
-    pub fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in [−1, 1)³.
-    pub fn offset(&mut self) -> [f64; 3] {
-        std::array::from_fn(|_| 2.0 * self.number() - 1.0)
-    }
-}
+use fieldstone_testing::Random;
 
 /// A block of a unit lattice, in place of cell centres, moved by up to `noise` along each axis.
 pub fn block(counts: [usize; 3], noise: f64, seed: u64) -> Vec<[f64; 3]> {
-    let mut random = Uniform(seed);
+    let mut random = Random(seed);
     let mut positions = Vec::with_capacity(counts.iter().product());
     for i in 0..counts[0] {
         for j in 0..counts[1] {
             for k in 0..counts[2] {
-                let offset = random.offset();
+                let offset = random.point(-1.0, 1.0);
                 let lattice = [i, j, k];
                 positions.push(std::array::from_fn(|axis| lattice[axis] as f64 + 0.5 + noise * offset[axis]));
             }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::time::Instant;
 
 use anyhow::{anyhow, bail};
@@ -11,8 +10,7 @@ use fieldstone::io::vtk::{VtkEncoding, write_vtp_particles_with};
 use fieldstone::io::{DataArray, SeriesFrame, Values, write_particles_csv};
 use fieldstone::particles::Quantity;
 use fieldstone::surface::{
-    Comparison, Detection, Method, ScanningCone, SurfaceOptions, Surroundings, exposure, implausibilities, levels,
-    normals,
+    Comparison, Detection, Method, ScanningCone, Surface, SurfaceError, SurfaceOptions, Surroundings, implausibilities,
 };
 use serde::Serialize;
 
@@ -39,7 +37,7 @@ pub(crate) struct Detect {
     /// exact: the criterion of the geometrical method, decided fast. geometrical: the same by the published algorithm.
     /// semi: position divergence first. The others are what SPH codes use.
     #[arg(long, value_name = "METHOD", default_value = "exact")]
-    method: MethodName,
+    method: Method,
     /// Half-angle of the scanning cone in degrees, for exact, geometrical, semi and sun
     #[arg(long, value_name = "DEGREES", default_value_t = 45.0, allow_negative_numbers = true)]
     theta: f64,
@@ -48,7 +46,7 @@ pub(crate) struct Detect {
     radius: f64,
     /// Also label by these methods, and print how they differ from --method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
-    compare: Vec<MethodName>,
+    compare: Vec<Method>,
     /// Distance from the free surface that counts as its vicinity, in spacings
     #[arg(long, value_name = "V", default_value_t = 4.0, value_parser = positive, allow_negative_numbers = true)]
     vicinity: f64,
@@ -68,18 +66,6 @@ pub(crate) struct Detect {
     /// false_positives, accuracy.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-/// A method by its name; the library's message where there is none of this name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct MethodName(Method);
-
-impl FromStr for MethodName {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        text.parse().map(Self)
-    }
 }
 
 #[derive(Serialize)]
@@ -142,7 +128,7 @@ impl Detect {
             _ => bail!("--out {}: the ending is not known; use .vtp or .csv", self.out.display()),
         }
         let dimension = usize::from(self.sph.dimension);
-        for (option, MethodName(method)) in
+        for (option, method) in
             [("--method", self.method)].into_iter().chain(self.compare.iter().map(|&m| ("--compare", m)))
         {
             if !method.supports(dimension) {
@@ -150,7 +136,7 @@ impl Detect {
             }
         }
         // Angle and radius are refused before any file is read.
-        self.method.0.with_cone(self.cone()).map_err(|e| anyhow!("--theta, --radius: {e}"))?;
+        self.method.with_cone(self.cone()).map_err(|e| anyhow!("--theta, --radius: {e}"))?;
         let inputs = self.sph.inputs();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         out.check_with_json(&inputs, self.json.as_deref())
@@ -162,14 +148,14 @@ impl Detect {
 
     fn frame(&self, frame: &SeriesFrame, path: &Path, read: f64) -> anyhow::Result<Summary> {
         let file = frame.path.display().to_string();
-        let placed = |e: fieldstone::surface::SurfaceError| anyhow!("{file}: {e}");
+        let placed = |e: SurfaceError| anyhow!("{file}: {e}");
         let surroundings = self.sph.surroundings(frame)?;
         let positions = frame.particles.positions();
         let mut timing = Timing::default();
 
-        let (reference, seconds) = self.label(self.method.0, positions, &surroundings, &file)?;
+        let (reference, seconds) = self.label(self.method, positions, &surroundings, &file)?;
         let mut comparison = Vec::new();
-        for &MethodName(method) in &self.compare {
+        for &method in &self.compare {
             let (other, seconds) = self.label(method, positions, &surroundings, "")?;
             let difference = Comparison::new(&reference.labels(), &other.labels()).map_err(placed)?;
             comparison.push(Row {
@@ -183,7 +169,7 @@ impl Detect {
             });
         }
         let columns =
-            timing.measure("fields", || self.columns(positions, &surroundings, &reference)).map_err(placed)?;
+            timing.measure("fields", || self.columns(positions, &surroundings, reference.clone())).map_err(placed)?;
         timing.measure("write", || write(path, frame, &columns))?;
         let boundary = surroundings.candidates.iter().flatten().filter(|fluid| !**fluid).count();
         Ok(Summary {
@@ -192,7 +178,7 @@ impl Detect {
             particles: positions.len(),
             boundary,
             spacing: surroundings.spacing,
-            method: self.method.0.name(),
+            method: self.method.name(),
             free_surface: reference.free_surface(),
             isolated: reference.isolated(),
             duplicates: reference.coincident(),
@@ -214,7 +200,7 @@ impl Detect {
         surroundings: &Surroundings,
         warn_of: &str,
     ) -> anyhow::Result<(Detection, f64)> {
-        let named = |e: fieldstone::surface::SurfaceError| anyhow!("{method}: {e}");
+        let named = |e: SurfaceError| anyhow!("{method}: {e}");
         let method = method.with_cone(self.cone()).map_err(named)?;
         let start = Instant::now();
         let grid = surroundings.grid(positions, method.reach(surroundings.spacing)).map_err(named)?;
@@ -233,26 +219,21 @@ impl Detect {
         &self,
         positions: &[[f64; 3]],
         surroundings: &Surroundings,
-        detection: &Detection,
-    ) -> Result<Vec<DataArray>, fieldstone::surface::SurfaceError> {
+        detection: Detection,
+    ) -> Result<Vec<DataArray>, SurfaceError> {
+        let options = if self.labels_only {
+            SurfaceOptions::LABELS
+        } else {
+            let exposure = self.exposure.then_some(self.radius);
+            SurfaceOptions { vicinity: Some(self.vicinity), exposure, ..SurfaceOptions::ALL }
+        };
+        let surface = Surface::of_detection(positions, detection, surroundings, &options)?;
         let bytes =
             |name: &str, values: Vec<u8>| DataArray { name: name.into(), components: 1, values: Values::U8(values) };
-        let labels = detection.labels().into_iter().map(u8::from).collect();
-        let mut columns = vec![bytes("free_surface", labels)];
-        if self.labels_only {
-            return Ok(columns);
-        }
-        if let Some(smoothing) = SurfaceOptions::ALL.normals {
-            let grid = surroundings.grid(positions, smoothing.support() * surroundings.spacing)?;
-            let scene = surroundings.scene(&grid);
-            let level = levels(&scene, positions, detection, self.vicinity * surroundings.spacing)?;
-            columns.push(bytes("level", level));
-            let normals = normals(&scene, &smoothing)?;
-            columns.push(DataArray::floats("normal", 3, normals.into_flattened()));
-        }
-        if self.exposure {
-            let grid = surroundings.grid(positions, self.radius * surroundings.spacing)?;
-            let cones = exposure(&surroundings.scene(&grid), self.radius)?;
+        let mut columns = vec![bytes("free_surface", surface.detection.labels().into_iter().map(u8::from).collect())];
+        columns.extend(surface.levels.map(|levels| bytes("level", levels)));
+        columns.extend(surface.normals.map(|normals| DataArray::floats("normal", 3, normals.into_flattened())));
+        if let Some(cones) = surface.exposures {
             columns.push(DataArray::scalar("exposure", cones.iter().map(|c| c.half_angle.to_degrees()).collect()));
             columns.push(DataArray::floats("exposure_axis", 3, cones.iter().flat_map(|c| c.axis).collect()));
         }

@@ -11,6 +11,7 @@ use fieldstone::surface::{
 
 use super::arguments::{available_memory, positive};
 use super::report;
+use super::sph_frames::fluid_positions;
 
 /// Bytes per node: the field, those interpolated to nodes, and their copies while they are written.
 const NODE_BYTES: u64 = 120;
@@ -80,11 +81,7 @@ pub(crate) fn nodes(
     numbers: usize,
 ) -> anyhow::Result<Nodes> {
     let spacing = surroundings.spacing;
-    let positions = frame.particles.positions();
-    let fluid: Vec<[f64; 3]> = match &surroundings.candidates {
-        None => positions.to_vec(),
-        Some(fluid) => positions.iter().zip(fluid).filter(|(_, fluid)| **fluid).map(|(p, _)| *p).collect(),
-    };
+    let fluid = fluid_positions(&frame.particles, surroundings.candidates.as_deref());
     // Beyond the surface, and beyond the balls of the particles' volume.
     let file = frame.path.display();
     let nodes = Nodes::around(&fluid, 1.5 * spacing, cell * spacing)

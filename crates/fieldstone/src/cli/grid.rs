@@ -15,7 +15,7 @@ use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Su
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes, nodes_of_one_period};
-use super::sph_frames::{NumberedOutput, SphArguments, written};
+use super::sph_frames::{NumberedOutput, SphArguments, fluid_particles, written};
 use super::{report, sph_checks};
 
 /// Particle quantities on a regular grid, by moving least squares or conservatively
@@ -179,8 +179,7 @@ impl GridFields {
     ) -> anyhow::Result<()> {
         let file = frame.path.display();
         let positions = frame.particles.positions();
-        let fluid: Vec<usize> =
-            (0..positions.len()).filter(|&k| surroundings.candidates.as_ref().is_none_or(|c| c[k])).collect();
+        let fluid = fluid_particles(&frame.particles, surroundings.candidates.as_deref());
         let uniform = surroundings.spacing.powi(3);
         let radii = fluid
             .iter()

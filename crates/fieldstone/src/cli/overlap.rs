@@ -127,8 +127,9 @@ impl OverlapCases {
                 self.cases.display()
             );
         }
+        let rows: Vec<(u64, &str)> = table.rows().collect();
         let case = |row: usize| -> anyhow::Result<(Vec<f64>, Option<Precision>)> {
-            let place = || format!("{}:{}", self.cases.display(), table.line(row));
+            let place = || format!("{}:{}", self.cases.display(), rows[row].0);
             let at = |columns: &[Vec<f64>; 3]| [columns[0][row], columns[1][row], columns[2][row]];
             let ball = Ball::new(at(&centre), radius[row]).map_err(|e| anyhow!("{}: {e}", place()))?;
             let points: Vec<[f64; 3]> = corners.iter().map(at).collect();
@@ -150,12 +151,12 @@ impl OverlapCases {
         };
         // All rows before the file is begun: where one fails, or the run is broken off, nothing is left behind.
         let results: Vec<anyhow::Result<(Vec<f64>, Option<Precision>)>> =
-            (0..table.len()).into_par_iter().map(case).collect();
+            (0..rows.len()).into_par_iter().map(case).collect();
         // The first row that failed, whatever the number of threads.
         let results: Vec<(Vec<f64>, Option<Precision>)> = results.into_iter().collect::<anyhow::Result<_>>()?;
         let mut writer = CsvWriter::extending(&self.out, &table, &names)?;
-        for (row, (numbers, _)) in results.iter().enumerate() {
-            writer.row_extending(table.row(row), numbers)?;
+        for ((_, row), (numbers, _)) in rows.iter().zip(&results) {
+            writer.row_extending(row, numbers)?;
         }
         writer.finish()?;
         let beyond = results.iter().filter(|r| r.1.is_some_and(|p| p > Precision::F64)).count();

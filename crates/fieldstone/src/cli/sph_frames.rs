@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::arguments::{Periodic, list, positive};
+use super::arguments::{Periodic, bounds, list, positive};
 use super::{outputs, report, sph_checks};
 
 /// Particles in the frames that are worked on at the same time, and then those of one more: what memory has to hold.
@@ -72,10 +72,6 @@ impl FromStr for Boundary {
     }
 }
 
-fn bounds(text: &str) -> Result<[f64; 6], String> {
-    list(text, "0,1,0,1,0,2")
-}
-
 fn wall(text: &str) -> Result<Wall, String> {
     let [x, y, z, d] = list(text, "0,0,1,0 for the floor z = 0")?;
     Wall::new([x, y, z], d).map_err(|e| e.to_string())
@@ -88,7 +84,7 @@ impl SphArguments {
         let range = match self.frames {
             Some(range) => range,
             None if out.is_numbered() => FrameRange::default(),
-            None => "-1".parse::<FrameRange>().map_err(|e| anyhow!(e))?,
+            None => "-1".parse()?,
         };
         Ok((files, range))
     }
@@ -309,10 +305,14 @@ impl SphArguments {
     }
 }
 
+/// The particles that are no boundary, by their indices.
+pub(crate) fn fluid_particles(particles: &Particles, fluid: Option<&[bool]>) -> Vec<usize> {
+    (0..particles.len()).filter(|&k| fluid.is_none_or(|f| f[k])).collect()
+}
+
 /// Positions of the particles that are no boundary.
-fn fluid_positions(particles: &Particles, fluid: Option<&[bool]>) -> Vec<[f64; 3]> {
-    let positions = particles.positions().iter().enumerate();
-    positions.filter(|(k, _)| fluid.is_none_or(|f| f[*k])).map(|(_, p)| *p).collect()
+pub(crate) fn fluid_positions(particles: &Particles, fluid: Option<&[bool]>) -> Vec<[f64; 3]> {
+    fluid_particles(particles, fluid).into_iter().map(|k| particles.positions()[k]).collect()
 }
 
 /// m/ρ of each particle, where the file has both and they make sense.
