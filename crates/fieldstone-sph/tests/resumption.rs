@@ -191,6 +191,28 @@ fn the_largest_speed_is_that_since_time_0_after_a_stop_too() {
 }
 
 #[test]
+fn questions_to_a_solver_change_neither_its_checkpoint_nor_its_largest_speed() {
+    let space = tempfile::tempdir().unwrap();
+    let path = space.path().join("checkpoint.bin");
+    let case = small(0.02, 0.1);
+    let mut state = case.state().unwrap();
+    state.u[190] = [4.0, 0.0, 0.0];
+    let mut solver = Solver::new(case.flow().unwrap(), state).unwrap();
+    // Also where lists are due.
+    for _ in 0..30 {
+        solver.write_checkpoint(&path).unwrap();
+        let (before, fastest) = (std::fs::read(&path).unwrap(), solver.fastest());
+        solver.allowed_step().unwrap();
+        solver.mean_neighbours().unwrap();
+        solver.boundary_forces().unwrap();
+        assert_eq!(solver.fastest(), fastest);
+        solver.write_checkpoint(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == before, "step {}", solver.steps());
+        solver.step().unwrap();
+    }
+}
+
+#[test]
 fn a_run_goes_on_with_another_time_step() {
     let space = tempfile::tempdir().unwrap();
     let path = space.path().join("checkpoint.bin");
