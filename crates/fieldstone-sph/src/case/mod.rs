@@ -6,6 +6,7 @@ mod keys;
 mod locate;
 mod masses;
 mod motion;
+mod placed;
 mod sections;
 mod shipped;
 
@@ -132,16 +133,19 @@ impl Case {
 
     /// The sections as they are now, as a case file: what was left out in the text stands there with its value.
     ///
+    /// # Errors
+    /// [`SphError::Case`] where TOML cannot say what a section holds, such as a whole number beyond 2⁶³.
+    ///
     /// ```
     /// # use fieldstone_sph::{Case, SHIPPED};
     /// let mut case = SHIPPED[0].at_spacing(None)?;
     /// case.sections.time.end = 0.25;
-    /// assert_eq!(Case::parse(&case.to_toml(), "case.toml")?.sections, case.sections);
+    /// assert_eq!(Case::parse(&case.to_toml()?, "case.toml")?.sections, case.sections);
     /// # Ok::<(), fieldstone_sph::SphError>(())
     /// ```
-    pub fn to_toml(&self) -> String {
-        // Names and numbers alone: nothing that TOML cannot say.
-        toml::to_string(&self.sections).unwrap_or_else(|_| self.text.clone())
+    pub fn to_toml(&self) -> Result<String, SphError> {
+        toml::to_string(&self.sections)
+            .map_err(|e| self.fault("", 0, "", format!("the case cannot be written as TOML: {e}")))
     }
 
     /// The same case at another spacing, with its [`sections`](Self::sections) as they are now and the [`text`](Self::text) that it
@@ -249,59 +253,6 @@ impl Case {
         }
         flow.validate().map_err(|e| self.placed(e))?;
         Ok(flow)
-    }
-
-    /// Gives an error of the solver its line.
-    fn placed(&self, error: SphError) -> SphError {
-        let (section, nth, key) = match &error {
-            SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
-            SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
-            SphError::CutBody { body, .. } => ("body", *body, "shape"),
-            SphError::Overlapping { second, .. } => ("body", *second, "shape"),
-            SphError::TooNarrow { .. } => ("domain", 0, "high"),
-            SphError::SameSide { second, .. } => ("wall", self.section_of_wall(*second), "kind"),
-            SphError::Option { name, .. } => match *name {
-                "h/Δx" => ("fluid", 0, "smoothing"),
-                "the density" => ("fluid", 0, "density"),
-                "the speed of sound" => ("fluid", 0, "sound_speed"),
-                "the viscosity" => ("fluid", 0, "viscosity"),
-                "α" => ("fluid", 0, "alpha"),
-                "δ" => ("fluid", 0, "delta"),
-                "the surface tension" => ("fluid", 0, "surface_tension"),
-                "the expected speed" => ("fluid", 0, "expected_speed"),
-                "the expected pressure" => ("fluid", 0, "expected_pressure"),
-                "gravity" => ("fluid", 0, "gravity"),
-                "the CFL number" => ("time", 0, "cfl"),
-                "the viscous factor of the time step" => ("time", 0, "viscous"),
-                "the capillary factor of the time step" => ("time", 0, "capillary"),
-                "the largest time step" => ("time", 0, "largest"),
-                "an edge of the domain" => ("domain", 0, "high"),
-                "the cosine between two walls" => ("wall", 0, "kind"),
-                "a wall's normal along a periodic axis" => ("wall", 0, "normal"),
-                "k_CFL of the shifting" => ("shifting", 0, "k_cfl"),
-                "R of the shifting" => ("shifting", 0, "r"),
-                "n of the shifting" => ("shifting", 0, "n"),
-                "the factor of the shifting" => ("shifting", 0, "factor"),
-                "the Mach number of the shifting" => ("shifting", 0, "mach"),
-                "the Mach number of the shifting, expected speed over speed of sound," => {
-                    ("fluid", 0, "expected_speed")
-                }
-                "the largest shift over the spacing" => ("shifting", 0, "cap"),
-                _ => ("shifting", 0, ""),
-            },
-            _ => return error,
-        };
-        self.fault(section, nth, key, error.to_string())
-    }
-
-    /// Number of the section that a mirror wall comes from.
-    fn section_of_wall(&self, wall: usize) -> usize {
-        let walls = self.sections.wall.iter();
-        let ends = walls.scan(0, |end, section| {
-            *end += self.planes_of(section).len();
-            Some(*end)
-        });
-        ends.take_while(|&end| end <= wall).count()
     }
 
     /// Normals and offsets of the mirror walls that a section stands for: of a tank those of all faces but open and periodic ones.
