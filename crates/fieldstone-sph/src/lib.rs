@@ -57,6 +57,7 @@ mod error;
 mod flow;
 mod gauges;
 mod ghosts;
+mod identity;
 mod motion;
 mod neighbour_count;
 mod neighbour_list;

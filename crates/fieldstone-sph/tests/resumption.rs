@@ -88,10 +88,10 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     assert!(message.contains("belongs to another flow"), "{message}");
     // What was written before keeps its name, with another version.
     let mut old = good.clone();
-    old[7] = 4;
+    old[7] = 5;
     std::fs::write(&path, &old).unwrap();
     let message = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap_err().to_string();
-    assert!(message.contains("the checkpoint has format 4, this program reads 5 only: go on with"), "{message}");
+    assert!(message.contains("the checkpoint has format 5, this program reads 6 only: go on with"), "{message}");
     for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
         bad[at] ^= 4;
