@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use fieldstone_io::vtk::{VtkEncoding, read_pvd, write_pvd, write_vtp_particles};
-use fieldstone_io::{AtomicFile, IoError};
+use fieldstone_io::{AtomicFile, IoError, write_number};
 use fieldstone_particles::{Particles, Quantity};
 
 use crate::gauges::{gauge_columns, gauge_row};
@@ -295,7 +295,7 @@ fn is_row_until(line: &str, columns: usize, time: f64) -> bool {
 struct Table {
     path: PathBuf,
     file: File,
-    waiting: String,
+    waiting: Vec<u8>,
 }
 
 impl Table {
@@ -322,18 +322,22 @@ impl Table {
         }
         AtomicFile::write(path, |out| out.write_all(kept.as_bytes()))?;
         let file = OpenOptions::new().append(true).open(path).map_err(|e| system(path, e))?;
-        Ok(Self { path: path.into(), file, waiting: String::new() })
+        Ok(Self { path: path.into(), file, waiting: Vec::new() })
     }
 
     fn row(&mut self, numbers: &[f64]) -> Result<(), SphError> {
-        let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
-        self.waiting.push_str(&words.join(","));
-        self.waiting.push('\n');
+        for (index, &number) in numbers.iter().enumerate() {
+            if index > 0 {
+                self.waiting.push(b',');
+            }
+            write_number(&mut self.waiting, number).map_err(|e| system(&self.path, e))?;
+        }
+        self.waiting.push(b'\n');
         if self.waiting.len() > 1 << 14 { self.flush() } else { Ok(()) }
     }
 
     fn flush(&mut self) -> Result<(), SphError> {
-        self.file.write_all(self.waiting.as_bytes()).map_err(|e| system(&self.path, e))?;
+        self.file.write_all(&self.waiting).map_err(|e| system(&self.path, e))?;
         self.waiting.clear();
         Ok(())
     }

@@ -335,6 +335,11 @@ fn tables_that_are_none_are_named_with_file_and_line() {
         let error = Case::read(&path).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\ninstead of {expected}");
     }
+    // What a spreadsheet puts before the first number is none of it.
+    std::fs::write(&table, "\u{feff}0;0;0\r\n1;0.5;0\r\n").unwrap();
+    let flow = Case::read(&path).unwrap().flow().unwrap();
+    let motion = flow.boundaries.bodies[0].motion.as_ref().unwrap();
+    assert_eq!(motion.at(0.5).displacement, [0.25, 0.0, 0.0]);
     for (rows, expected) in [
         ("[[0, 0, 0], [0, 0, 1]]", "c.toml:26: row 2 of the motion: time 0 follows 0"),
         ("[[0, 0, 0]]", "c.toml:26: row 1 of the motion: the motion has 1 rows"),

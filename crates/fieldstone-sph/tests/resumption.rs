@@ -162,6 +162,29 @@ fn a_table_goes_on_with_its_own_gauges_only() {
 }
 
 #[test]
+fn small_numbers_of_gauges_are_short_and_a_table_with_long_ones_is_gone_on_with() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    let case = |end: &str| {
+        let text = small(0.02, 0.02).text().replace("end = 0.02", end);
+        Case::parse(&text, "c.toml").unwrap()
+    };
+    run(&case("end = 0.02"), &folder, false, &never, |_| ()).unwrap();
+    let table = std::fs::read_to_string(folder.gauges()).unwrap();
+    let longest = table.lines().skip(1).flat_map(|row| row.split(',')).map(str::len).max().unwrap();
+    assert!(longest <= 25 && table.contains("e-"), "{table}");
+    // Written without exponents, the numbers are the same.
+    let row = |row: &str| row.split(',').map(|x| x.parse::<f64>().unwrap().to_string()).collect::<Vec<_>>().join(",");
+    let long = table.lines().enumerate().map(|(n, line)| if n == 0 { line.into() } else { row(line) } + "\n");
+    std::fs::write(folder.gauges(), long.collect::<String>()).unwrap();
+    run(&case("end = 0.04"), &folder, true, &never, |_| ()).unwrap();
+    let rows = CsvTable::read(&folder.gauges()).unwrap().column("time").unwrap();
+    assert!(rows.len() > table.lines().count() - 1 && rows.windows(2).all(|w| w[0] < w[1]), "{rows:?}");
+    assert_eq!(rows[0], 0.0);
+}
+
+#[test]
 fn cadences_beyond_all_measure_are_no_reason_to_stop() {
     let space = tempfile::tempdir().unwrap();
     let folder = RunFolder::create(space.path()).unwrap();
