@@ -62,6 +62,7 @@ mod motion;
 mod neighbour_count;
 mod neighbour_list;
 mod options;
+mod pair;
 mod parameter;
 mod phases;
 mod points;
