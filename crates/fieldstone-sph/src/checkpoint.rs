@@ -40,8 +40,14 @@ impl Solver {
     /// Goes on from a checkpoint with the flow that it was written for.
     ///
     /// # Errors
-    /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow.
+    /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow; as [`Flow::validate`].
     pub fn read_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
+        flow.validate()?;
+        Self::of_checkpoint(path, flow)
+    }
+
+    /// As [`read_checkpoint`](Self::read_checkpoint), with a flow that was validated.
+    pub(crate) fn of_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
         let fault = |message: &str| SphError::Checkpoint { file: path.display().to_string(), message: message.into() };
         let bytes =
             std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
@@ -68,7 +74,6 @@ impl Solver {
                  and the output may change",
             ));
         }
-        flow.validate()?;
         let snapshot = decoded(body).ok_or_else(|| fault("the checkpoint is too short or too long; start anew"))?;
         Self::restored(flow, snapshot)
     }

@@ -81,8 +81,8 @@ pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
     AxisName, BodySection, Case, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
-    GaugeKind, GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName,
-    ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
+    GaugeKind, GaugeSection, MotionSection, OutputSection, Prepared, Pressure, PressureName, SHIPPED, Sections,
+    ShapeName, ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
 pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};

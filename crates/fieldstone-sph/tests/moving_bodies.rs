@@ -315,6 +315,26 @@ fn a_column_that_falls_on_a_box_does_not_get_into_it() {
 }
 
 #[test]
+fn a_table_that_changes_after_the_case_was_read_does_not_change_the_flow() {
+    let space = tempfile::tempdir().unwrap();
+    let (path, table) = (space.path().join("case.toml"), space.path().join("table.csv"));
+    std::fs::write(&path, gate("\"table.csv\"", 0.1)).unwrap();
+    std::fs::write(&table, "0 0 0\n1 0.5 0\n").unwrap();
+    let mut case = Case::read(&path).unwrap();
+    let read = case.flow().unwrap();
+    for content in ["0 0 0\n1 0 0.5\n", "no table"] {
+        std::fs::write(&table, content).unwrap();
+        assert_eq!(case.flow().unwrap(), read);
+        assert_eq!(*case.prepare().unwrap().solver().unwrap().flow(), read);
+    }
+    std::fs::remove_file(&table).unwrap();
+    // Also where sections change, which are then checked anew.
+    case.sections.fluid.delta = 0.05;
+    assert_eq!(case.flow().unwrap().boundaries, read.boundaries);
+    assert_eq!(case.prepare().unwrap().flow().fluid.delta, 0.05);
+}
+
+#[test]
 fn tables_that_are_none_are_named_with_file_and_line() {
     let space = tempfile::tempdir().unwrap();
     let path = space.path().join("case.toml");

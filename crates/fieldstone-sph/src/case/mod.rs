@@ -7,6 +7,7 @@ mod locate;
 mod masses;
 mod motion;
 mod placed;
+mod prepared;
 mod sections;
 mod shipped;
 
@@ -17,6 +18,7 @@ use fieldstone_surface::{Method, Wall};
 use serde::{Deserialize, Serialize};
 
 pub use motion::MotionSection;
+pub use prepared::Prepared;
 pub use sections::{
     AxisName, BodySection, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
     GaugeKind, GaugeSection, OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection,
@@ -26,7 +28,7 @@ pub use shipped::{SHIPPED, ShippedCase};
 
 use crate::{
     Body, Boundaries, ClosedSurface, Flow, FluidOptions, Integrator, MirrorWall, Motion, Shape, ShiftingOptions,
-    Solver, SphError, State, TimeStepOptions, Viscosity,
+    SphError, TimeStepOptions, Viscosity,
 };
 use locate::{line_of, section_at};
 use sections::{ShapeKeys, SurfaceKeys};
@@ -52,6 +54,10 @@ pub struct Case {
     file: String,
     /// Surfaces that fills and bodies name, read once.
     surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)>,
+    /// Motions by the names of their tables and the dimension, read once.
+    motions: Vec<(String, usize, Motion)>,
+    /// The sections that were checked last, and the flow that they make.
+    checked: Option<Box<(Sections, Flow)>>,
 }
 
 /// The tables of a case file.
@@ -120,9 +126,9 @@ impl Case {
             }
             SphError::Case { file: file.into(), line, message }
         })?;
-        let mut case = Self { sections, text: text.into(), file: file.into(), surfaces: Vec::new() };
-        case.read_surfaces()?;
-        case.check()?;
+        let (surfaces, motions) = (Vec::new(), Vec::new());
+        let mut case = Self { sections, text: text.into(), file: file.into(), surfaces, motions, checked: None };
+        case.read_and_check()?;
         Ok(case)
     }
 
@@ -162,8 +168,7 @@ impl Case {
             .map(|line| if is_key(line) { format!("spacing = {spacing}\n") } else { format!("{line}\n") });
         let mut case = Self { text: lines.collect(), ..self.clone() };
         case.sections.spacing = spacing;
-        case.read_surfaces()?;
-        case.check()?;
+        case.read_and_check()?;
         // The text has to say what the sections do.
         if toml::from_str::<Sections>(&case.text).is_ok_and(|said| said.spacing.to_bits() == spacing.to_bits()) {
             return Ok(case);
@@ -181,12 +186,31 @@ impl Case {
         self.sections.dimension - 1
     }
 
-    /// Fluid, boundaries and options, checked.
+    /// Fluid, boundaries and options, checked; files that the case names are those that were read with it.
     ///
     /// # Errors
     /// [`SphError::Case`] with the line of what does not fit.
     pub fn flow(&self) -> Result<Flow, SphError> {
-        self.check()
+        match self.checked.as_deref() {
+            Some((sections, flow)) if *sections == self.sections => Ok(flow.clone()),
+            _ => self.check(),
+        }
+    }
+
+    /// Reads the files that the sections name, and keeps the flow that they make.
+    fn read_and_check(&mut self) -> Result<(), SphError> {
+        self.read_surfaces()?;
+        let flow = self.check()?;
+        let bodies = self.sections.body.iter().zip(&flow.boundaries.bodies);
+        let read = bodies.filter_map(|(section, body)| match (&section.motion, &body.motion) {
+            (Some(MotionSection::File(name)), Some(motion)) => {
+                Some((name.clone(), self.sections.dimension, motion.clone()))
+            }
+            _ => None,
+        });
+        self.motions = read.collect();
+        self.checked = Some(Box::new((self.sections.clone(), flow)));
+        Ok(())
     }
 
     /// What the sections say as a flow, which is checked by itself.
@@ -332,7 +356,7 @@ impl Case {
 
     /// Reads each surface once: flow and state ask for it again and again.
     fn read_surfaces(&mut self) -> Result<(), SphError> {
-        let mut surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)> = Vec::new();
+        let mut surfaces = self.surfaces.clone();
         for (section, nth, keys) in self.shapes() {
             let wanted = keys.surface().map_err(|(key, message)| self.fault(section, nth, key, message))?;
             if let Some(wanted) = wanted.filter(|wanted| surfaces.iter().all(|(keys, _)| keys != wanted)) {
@@ -365,6 +389,9 @@ impl Case {
         match &self.sections.body[nth].motion {
             None => Ok(None),
             Some(MotionSection::File(name)) => {
+                if let Some((.., known)) = self.motions.iter().find(|(n, d, _)| n == name && *d == dimension) {
+                    return Ok(Some(known.clone()));
+                }
                 let path = self.beside(name);
                 if !path.is_file() {
                     let message = format!("there is no file {}; give its path from the case's folder", path.display());
@@ -381,62 +408,5 @@ impl Case {
     /// Path of a file that is named in the case: from the case's own folder.
     fn beside(&self, name: &str) -> PathBuf {
         Path::new(&self.file).parent().unwrap_or(Path::new("")).join(name)
-    }
-
-    /// The particles at the start: each fill's lattice, without what lies in bodies or behind walls.
-    ///
-    /// # Errors
-    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, nothing is filled, or a fill begins with a pressure or speed
-    /// for which the fluid would be too compressible.
-    pub fn state(&self) -> Result<State, SphError> {
-        let flow = self.flow()?;
-        let s = &self.sections;
-        let mut state = State::default();
-        let mut shapes: Vec<Shape> = Vec::new();
-        for (nth, fill) in s.fill.iter().enumerate() {
-            let shape = self.shape("fill", nth, &fill.keys())?;
-            let (points, _) = shape.lattice(s.spacing, s.dimension);
-            let bounds = shape.bounds();
-            self.check_gravity(nth, bounds, &flow)?;
-            let levelling = flow.boundaries.levelling(flow.fluid.gravity);
-            let before = state.len();
-            for x in points {
-                if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
-                    continue;
-                }
-                if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {
-                    let message = format!("the fill leaves the domain at {x:?}; enlarge one or shrink the other");
-                    return Err(self.fault("fill", nth, "shape", message));
-                }
-                if flow.boundaries.walls.iter().any(|w| w.plane.distance(x) < 0.0) {
-                    continue;
-                }
-                if let Some(other) = shapes.iter().position(|s2| s2.contains(x, s.dimension)) {
-                    let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
-                    return Err(self.fault("fill", nth, "shape", message));
-                }
-                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid, levelling);
-                state.x.push(x);
-                state.u.push(velocity);
-                state.density.push(flow.fluid.density_at(pressure));
-            }
-            self.check_start(nth, &flow.fluid, &state, before)?;
-            shapes.push(shape);
-        }
-        if state.x.is_empty() {
-            let message = "nothing is filled: the shapes are smaller than the spacing, or all in bodies or behind walls; a \
-                           wall's normal points into the fluid";
-            return Err(self.fault("fill", 0, "shape", message));
-        }
-        state.id = (0..state.x.len() as u32).collect();
-        Ok(state)
-    }
-
-    /// A solver at time 0.
-    ///
-    /// # Errors
-    /// As [`flow`](Self::flow) and [`state`](Self::state).
-    pub fn solver(&self) -> Result<Solver, SphError> {
-        Solver::new(self.flow()?, self.state()?)
     }
 }

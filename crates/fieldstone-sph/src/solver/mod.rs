@@ -115,6 +115,11 @@ impl Solver {
     /// As [`Flow::validate`]; [`SphError::Length`], and [`SphError::Broken`] for a state that is not one.
     pub fn new(flow: Flow, state: State) -> Result<Self, SphError> {
         flow.validate()?;
+        Self::of_checked(flow, state)
+    }
+
+    /// As [`new`](Self::new), with a flow that was validated.
+    pub(crate) fn of_checked(flow: Flow, state: State) -> Result<Self, SphError> {
         let began = state.fingerprint();
         let mut solver = Self::with(flow, state)?;
         solver.began = began;
