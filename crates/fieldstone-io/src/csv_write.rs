@@ -149,7 +149,21 @@ fn quoted(name: &str) -> String {
     }
 }
 
-fn write_number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
+/// Writes a number as tables have it: the shortest text that reads back to the same bits, with an exponent where that is shorter.
+///
+/// # Errors
+/// Those of `out`.
+///
+/// ```
+/// let mut out = Vec::new();
+/// for value in [2.0, 0.1, 1e-300] {
+///     fieldstone_io::write_number(&mut out, value)?;
+///     out.push(b' ');
+/// }
+/// assert_eq!(out, b"2 0.1 1e-300 ");
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn write_number(out: &mut impl Write, value: f64) -> std::io::Result<()> {
     // `Display` never uses an exponent, `Debug` does where it is shorter to read but keeps `.0` on whole numbers.
     if value.fract() == 0.0 && value.abs() < 1e15 && (value != 0.0 || value.is_sign_positive()) {
         write!(out, "{}", value as i64)

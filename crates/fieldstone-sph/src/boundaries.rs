@@ -2,7 +2,7 @@ use fieldstone_surface::Wall;
 
 use crate::body::Body;
 use crate::error::check;
-use crate::{FluidOptions, SphError};
+use crate::{FluidOptions, Parameter, SphError};
 
 /// What a wall does to the flow along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +79,7 @@ impl Boundaries {
     pub fn validate(&self, fluid: &FluidOptions, reach: f64) -> Result<(), SphError> {
         for axis in 0..fluid.dimension {
             let length = self.high[axis] - self.low[axis];
-            check("an edge of the domain", length, length > 0.0 && length.is_finite(), "finite and above 0")?;
+            check(Parameter::DomainEdge, length, length > 0.0 && length.is_finite(), "finite and above 0")?;
             if self.periodic[axis] && length < reach {
                 let what = format!("the periodic faces along {}", ['x', 'y', 'z'][axis]);
                 return Err(SphError::TooNarrow { what, distance: length, reach });
@@ -89,7 +89,7 @@ impl Boundaries {
             for axis in (0..fluid.dimension).filter(|&k| self.periodic[k]) {
                 // Its images by a period would be other walls.
                 let part = first.plane.normal()[axis];
-                check("a wall's normal along a periodic axis", part, part.abs() < 1e-9, "0: such walls do not repeat")?;
+                check(Parameter::NormalAlongPeriod, part, part.abs() < 1e-9, "0: such walls do not repeat")?;
             }
             for (b, second) in self.walls.iter().enumerate().skip(a + 1) {
                 let (n, m) = (first.plane.normal(), second.plane.normal());
@@ -103,7 +103,7 @@ impl Boundaries {
                 }
                 let square = cosine.abs() < 1e-9 || cosine.abs() > 1.0 - 1e-9;
                 // Mirror images close up around an edge for right angles only.
-                check("the cosine between two walls", cosine, square, "0, 1 or −1: mirror walls meet at right angles")?;
+                check(Parameter::CosineOfWalls, cosine, square, "0, 1 or −1: mirror walls meet at right angles")?;
             }
         }
         self.bodies.iter().enumerate().try_for_each(|(index, body)| body.validate(index, fluid))?;

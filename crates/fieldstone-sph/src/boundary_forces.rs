@@ -2,8 +2,8 @@ use rayon::prelude::*;
 
 use crate::cluster::{TINY, inverse_root};
 use crate::energy::accumulate;
+use crate::pair::{PairFactors, slope};
 use crate::points::{Kind, Points};
-use crate::shifting::INSIDE;
 use crate::{Boundaries, FluidOptions, MirrorWall};
 
 /// Particles per task.
@@ -34,7 +34,7 @@ impl BoundaryForces {
 }
 
 /// Sums the pair forces between fluid particles and ghosts: what Eq. 4 gives them, with the opposite sign and with
-/// the root of [`Rates`](crate::rates::Rates), so that momentum is accounted for to rounding.
+/// the slope and the factors of [`Rates`](crate::rates::Rates), so that momentum is accounted for to rounding.
 ///
 /// A ghost of a body beyond a mirror wall stands for the body's part before it: what is across the wall of the force on it is the
 /// wall's. Otherwise the water beside a post would press it to the floor, by 0.4 Δx times the pressure there and unit of width.
@@ -48,15 +48,11 @@ pub(crate) fn boundary_forces(
     tensile: Option<&[u8]>,
 ) -> BoundaryForces {
     let bodies = boundaries.bodies.len();
-    let factor = fluid.kernel().slope_factor();
-    let inverse_square = 1.0 / (fluid.h() * fluid.h());
-    let friction = 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity();
-    let (mass, stiffness) = (fluid.particle_mass(), fluid.sound_speed * fluid.sound_speed);
+    let pair = PairFactors::new(fluid);
     let of_particle = |i: usize, sum: &mut BoundaryForces| {
         let own = &points.carriers[i];
-        let excess = own[4] - fluid.density;
-        let flipped = excess < 0.0 && tensile.is_some_and(|regions| regions[i] == INSIDE);
-        let excess = if flipped { -excess } else { excess };
+        let rest = pair.own(own[4], tensile, i);
+        let (of_pressure, of_friction) = (pair.pressure(own[4]), pair.friction(own[4]));
         for &j in points.fluid_list.of(i) {
             let j = j as usize;
             if !points.is_solid(j) {
@@ -64,10 +60,10 @@ pub(crate) fn boundary_forces(
             }
             let other = &points.carriers[j];
             let d: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
-            let s = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * inverse_square).max(TINY);
+            let s = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * pair.inverse_square).max(TINY);
             let inverse = inverse_root(s);
-            let left = 1.0 - 0.5 * (s * inverse);
-            if left <= 0.0 {
+            let g = slope(s, inverse, other[3]);
+            if g <= 0.0 {
                 continue;
             }
             let (velocity, weight) = if points.needs_viscous {
@@ -77,9 +73,8 @@ pub(crate) fn boundary_forces(
                 ([other[5], other[6], other[7]], 1.0)
             };
             let approach: f64 = (0..3).map(|k| (velocity[k] - own[5 + k]) * d[k]).sum();
-            let pressure = stiffness * (excess + (other[4] - fluid.density));
-            let viscous = weight * friction * approach * (inverse * inverse) * inverse_square;
-            let size = mass / own[4] * other[3] * factor * (left * left * left) * (pressure - viscous);
+            let acceleration = of_pressure * (other[4] + rest) + of_friction * weight * approach * (inverse * inverse);
+            let size = -pair.mass * g * acceleration;
             let force = d.map(|d| size * d);
             let on_body = match points.kind(j) {
                 Kind::Body(b) => {

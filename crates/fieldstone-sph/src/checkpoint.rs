@@ -3,18 +3,18 @@ use std::path::Path;
 use fieldstone_io::AtomicFile;
 
 use crate::solver::Snapshot;
-use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State, TimeStepOptions};
+use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
 
 const NAME: &[u8; 7] = b"FSTNSPH";
-const VERSION: u8 = 5;
+pub(crate) const VERSION: u8 = 6;
 
 /// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget; and a checksum of the
 /// state that it began with.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 5 |
-/// | 4 | CRC-32 of the flow's description: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
+/// | 8 | `FSTNSPH`, version 6 |
+/// | 4 | CRC-32 of the numbers that describe the flow: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
 ///
@@ -30,7 +30,7 @@ impl Solver {
         AtomicFile::write(path, |out| {
             out.write_all(NAME)?;
             out.write_all(&[VERSION])?;
-            out.write_all(&fingerprint(self.flow()).to_le_bytes())?;
+            out.write_all(&self.flow().identity().to_le_bytes())?;
             out.write_all(&crc32fast::hash(&body).to_le_bytes())?;
             out.write_all(&body)
         })?;
@@ -40,8 +40,14 @@ impl Solver {
     /// Goes on from a checkpoint with the flow that it was written for.
     ///
     /// # Errors
-    /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow.
+    /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow; as [`Flow::validate`].
     pub fn read_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
+        flow.validate()?;
+        Self::of_checkpoint(path, flow)
+    }
+
+    /// As [`read_checkpoint`](Self::read_checkpoint), with a flow that was validated.
+    pub(crate) fn of_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
         let fault = |message: &str| SphError::Checkpoint { file: path.display().to_string(), message: message.into() };
         let bytes =
             std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
@@ -62,28 +68,15 @@ impl Solver {
         if word(12) != crc32fast::hash(body) {
             return Err(fault("the checkpoint is damaged: its checksum differs; remove it and start anew"));
         }
-        if word(8) != fingerprint(&flow) {
+        if word(8) != flow.identity() {
             return Err(fault(
                 "the checkpoint belongs to another flow: fluid, boundaries or options differ; only [time], k_cfl \
                  and the output may change",
             ));
         }
-        flow.validate()?;
         let snapshot = decoded(body).ok_or_else(|| fault("the checkpoint is too short or too long; start anew"))?;
         Self::restored(flow, snapshot)
     }
-}
-
-/// A checksum of what must not change on a restart.
-///
-/// The time step may: a run that breaks is told to lessen it. So may k_CFL, which goes with it, as the shift is one per step.
-fn fingerprint(flow: &Flow) -> u32 {
-    let mut kept = flow.clone();
-    kept.time_step = TimeStepOptions::default();
-    if let Some(shifting) = &mut kept.shifting {
-        shifting.k_cfl = 0.0;
-    }
-    crc32fast::hash(format!("{kept:?}").as_bytes())
 }
 
 fn encoded(snapshot: &Snapshot) -> Vec<u8> {

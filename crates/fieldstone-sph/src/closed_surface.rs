@@ -57,18 +57,13 @@ pub struct ClosedSurface {
 }
 
 impl fmt::Debug for ClosedSurface {
-    /// Short, with a checksum of all triangles: what a checkpoint is compared by.
+    /// Short: without its triangles.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut bytes = Vec::new();
-        for x in self.tree.triangles().iter().flatten().flatten() {
-            bytes.extend_from_slice(&x.to_le_bytes());
-        }
         f.debug_struct("ClosedSurface")
             .field("origin", &self.origin)
             .field("cell", &self.cell)
             .field("triangles", &self.tree.triangles().len())
-            .field("checksum", &crc32fast::hash(&bytes))
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 
@@ -140,6 +135,17 @@ impl ClosedSurface {
     /// Whether there is no triangle: never.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Origin and cell of the lattice that corners are on, and a checksum of all triangles there, whatever their order.
+    pub(crate) fn fingerprint(&self) -> ([f64; 3], f64, u64) {
+        let of_triangle = |triangle: &[[i64; 3]; 3]| {
+            let mut hasher = crc32fast::Hasher::new();
+            triangle.as_flattened().iter().for_each(|x| hasher.update(&x.to_le_bytes()));
+            u64::from(hasher.finalize())
+        };
+        let sum = self.tree.triangles().iter().map(of_triangle).fold(0, u64::wrapping_add);
+        (self.origin, self.cell, sum)
     }
 
     fn on_lattice(&self, x: [f64; 3]) -> [f64; 3] {

@@ -3,6 +3,7 @@ use glam::{DMat3, DVec3};
 use crate::FluidOptions;
 use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
 use crate::neighbour_list::PairSum;
+use crate::pair::slope;
 use crate::points::Carrier;
 
 /// Sum of a diagonal below which a particle counts as alone.
@@ -61,9 +62,7 @@ impl PairSum for DensityGradient<'_> {
                 for l in 0..LANES {
                     let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
                     let s = squares[l];
-                    let left = (-0.5 * s).mul_add(improved(guesses[l], s), 1.0);
-                    let left = if left > 0.0 { left } else { 0.0 };
-                    let g = left * left * (left * v);
+                    let g = slope(s, improved(guesses[l], s), v);
                     let (gx, gy, gz) = (g * dx, g * dy, g * dz);
                     let dr = r - ri[l];
                     xx[l] = gx.mul_add(dx, xx[l]);

@@ -3,14 +3,16 @@ use fieldstone_particles::ParticlesError;
 use fieldstone_surface::SurfaceError;
 use thiserror::Error;
 
+use crate::Parameter;
+
 /// Why a flow cannot be set up, or why a run had to stop.
 #[derive(Debug, Error)]
 pub enum SphError {
     /// A parameter is outside its range.
-    #[error("{name} is {value}; it must be {allowed}")]
+    #[error("{parameter} is {value}; it must be {allowed}")]
     Option {
-        /// What the parameter is.
-        name: &'static str,
+        /// Which one.
+        parameter: Parameter,
         /// Its value.
         value: f64,
         /// The values that are accepted.
@@ -199,6 +201,6 @@ pub enum SphError {
     Io(#[from] IoError),
 }
 
-pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<(), SphError> {
-    if ok { Ok(()) } else { Err(SphError::Option { name, value, allowed }) }
+pub(crate) fn check(parameter: Parameter, value: f64, ok: bool, allowed: &'static str) -> Result<(), SphError> {
+    if ok { Ok(()) } else { Err(SphError::Option { parameter, value, allowed }) }
 }

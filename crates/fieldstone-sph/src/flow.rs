@@ -3,7 +3,7 @@
 use fieldstone_surface::Method;
 
 use crate::error::check;
-use crate::{Boundaries, FluidOptions, ShiftingOptions, SphError, TimeStepOptions};
+use crate::{Boundaries, FluidOptions, Parameter, ShiftingOptions, SphError, TimeStepOptions};
 
 /// Everything that a flow is, but for its state.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,18 +37,13 @@ impl Flow {
     pub fn validate(&self) -> Result<(), SphError> {
         self.fluid.validate()?;
         self.time_step.validate()?;
-        check(
-            "the lists' margin over the spacing",
-            self.skin,
-            self.skin > 0.0 && self.skin <= 2.0,
-            "above 0, at most 2",
-        )?;
+        check(Parameter::ListMargin, self.skin, self.skin > 0.0 && self.skin <= 2.0, "above 0, at most 2")?;
         self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
         if let Some(shifting) = &self.shifting {
             shifting.validate()?;
             let mach = shifting.mach_number(&self.fluid);
             check(
-                "the Mach number of the shifting, expected speed over speed of sound,",
+                Parameter::ExpectedMach,
                 mach,
                 shifting.mach.is_some() || mach > 0.0,
                 "above 0, or nothing is shifted: give mach, or an expected_speed above 0",

@@ -57,10 +57,13 @@ mod error;
 mod flow;
 mod gauges;
 mod ghosts;
+mod identity;
 mod motion;
 mod neighbour_count;
 mod neighbour_list;
 mod options;
+mod pair;
+mod parameter;
 mod phases;
 mod points;
 mod rates;
@@ -78,8 +81,8 @@ pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
     AxisName, BodySection, Case, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
-    GaugeKind, GaugeSection, MotionSection, OutputSection, Pressure, PressureName, SHIPPED, Sections, ShapeName,
-    ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
+    GaugeKind, GaugeSection, MotionSection, OutputSection, Prepared, Pressure, PressureName, SHIPPED, Sections,
+    ShapeName, ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
 pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};
@@ -88,6 +91,7 @@ pub use flow::Flow;
 pub use gauges::{front, gauge_columns, gauge_row, level_over, pressure_at};
 pub use motion::{Motion, Pose};
 pub use options::{FluidOptions, Integrator, ShiftingOptions, TimeStepOptions, Viscosity, sound_speed_bound};
+pub use parameter::Parameter;
 pub use phases::{Phase, Phases};
 pub use run::{Outcome, RunFolder, particles_of, run};
 pub use solver::Solver;

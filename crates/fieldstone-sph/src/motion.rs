@@ -86,6 +86,11 @@ impl Motion {
         Ok(Self { times, displacements, slopes })
     }
 
+    /// Times and displacements of the table.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, [f64; 3])> {
+        self.times.iter().copied().zip(self.displacements.iter().copied())
+    }
+
     /// Displacement, velocity and acceleration at a time.
     pub fn at(&self, time: f64) -> Pose {
         let after = self.times.partition_point(|&t| t <= time);

@@ -158,22 +158,14 @@ impl pulp::NullaryFnOnce for Build<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers between 0 and 1.
-    fn random(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / f64::from(1u32 << 31)
-        }
-    }
+    use fieldstone_testing::Random;
 
     #[test]
     fn every_list_holds_exactly_the_points_within_reach_of_a_receiver() {
         for (dimension, far) in [(2, 1.0), (3, 1.0), (3, 1e3)] {
-            let mut next = random(7);
+            let mut random = Random(7);
             let mut positions: Vec<[f64; 3]> =
-                (0..700).map(|_| std::array::from_fn(|k| if k < dimension { next() } else { 0.0 })).collect();
+                (0..700).map(|_| std::array::from_fn(|k| if k < dimension { random.unit() } else { 0.0 })).collect();
             // One far away, for which cells have to grow, and two at one place.
             positions[350] = [far, far, 0.0];
             positions[10] = positions[11];

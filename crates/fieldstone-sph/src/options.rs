@@ -1,5 +1,5 @@
 use crate::error::check;
-use crate::{SphError, WendlandC2};
+use crate::{Parameter, SphError, WendlandC2};
 
 /// How viscous the fluid is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,28 +120,28 @@ impl FluidOptions {
     /// # Errors
     /// [`SphError::Option`], [`SphError::SoundSpeed`].
     pub fn validate(&self) -> Result<(), SphError> {
-        let positive = |name, x: f64| check(name, x, x > 0.0 && x.is_finite(), "finite and above 0");
-        let not_negative = |name, x: f64| check(name, x, x >= 0.0 && x.is_finite(), "finite and at least 0");
-        check("the dimension", self.dimension as f64, matches!(self.dimension, 2 | 3), "2 or 3")?;
-        positive("the spacing", self.spacing)?;
+        let positive = |parameter, x: f64| check(parameter, x, x > 0.0 && x.is_finite(), "finite and above 0");
+        let not_negative = |parameter, x: f64| check(parameter, x, x >= 0.0 && x.is_finite(), "finite and at least 0");
+        check(Parameter::Dimension, self.dimension as f64, matches!(self.dimension, 2 | 3), "2 or 3")?;
+        positive(Parameter::Spacing, self.spacing)?;
         let smoothing = self.smoothing;
-        check("h/Δx", smoothing, (1.0..=4.0).contains(&smoothing), "between 1 and 4")?;
-        positive("the density", self.density)?;
-        positive("the particles' volume", self.particle_volume.unwrap_or(1.0))?;
-        positive("the speed of sound", self.sound_speed)?;
+        check(Parameter::Smoothing, smoothing, (1.0..=4.0).contains(&smoothing), "between 1 and 4")?;
+        positive(Parameter::Density, self.density)?;
+        positive(Parameter::ParticleVolume, self.particle_volume.unwrap_or(1.0))?;
+        positive(Parameter::SoundSpeed, self.sound_speed)?;
         match self.viscosity {
-            Viscosity::Dynamic(mu) => not_negative("the viscosity", mu)?,
-            Viscosity::Alpha(alpha) => not_negative("α", alpha)?,
+            Viscosity::Dynamic(mu) => not_negative(Parameter::Viscosity, mu)?,
+            Viscosity::Alpha(alpha) => not_negative(Parameter::Alpha, alpha)?,
         }
-        not_negative("δ", self.delta)?;
-        not_negative("the surface tension", self.surface_tension)?;
-        not_negative("the expected speed", self.expected_speed)?;
-        not_negative("the expected pressure", self.expected_pressure)?;
+        not_negative(Parameter::Delta, self.delta)?;
+        not_negative(Parameter::SurfaceTension, self.surface_tension)?;
+        not_negative(Parameter::ExpectedSpeed, self.expected_speed)?;
+        not_negative(Parameter::ExpectedPressure, self.expected_pressure)?;
         for g in self.gravity {
-            check("gravity", g, g.is_finite(), "finite")?;
+            check(Parameter::Gravity, g, g.is_finite(), "finite")?;
         }
         if self.dimension == 2 {
-            check("gravity along z", self.gravity[2], self.gravity[2] == 0.0, "0 in two dimensions")?;
+            check(Parameter::GravityAlongZ, self.gravity[2], self.gravity[2] == 0.0, "0 in two dimensions")?;
         }
         let needed = sound_speed_bound(self.density, self.expected_speed, self.expected_pressure);
         // The bound itself is allowed, also where it was computed another way.
@@ -206,11 +206,11 @@ impl TimeStepOptions {
     /// # Errors
     /// [`SphError::Option`].
     pub fn validate(&self) -> Result<(), SphError> {
-        let factor = |name, x: f64| check(name, x, x > 0.0 && x <= 4.0, "above 0 and at most 4");
-        factor("the CFL number", self.cfl)?;
-        factor("the viscous factor of the time step", self.viscous)?;
-        factor("the capillary factor of the time step", self.capillary)?;
-        check("the largest time step", self.largest, self.largest > 0.0, "above 0")
+        let factor = |parameter, x: f64| check(parameter, x, x > 0.0 && x <= 4.0, "above 0 and at most 4");
+        factor(Parameter::Cfl, self.cfl)?;
+        factor(Parameter::ViscousFactor, self.viscous)?;
+        factor(Parameter::CapillaryFactor, self.capillary)?;
+        check(Parameter::LargestStep, self.largest, self.largest > 0.0, "above 0")
     }
 
     /// h/max(c₀, 10 u), the time in which sound crosses h.
@@ -283,14 +283,14 @@ impl ShiftingOptions {
     /// # Errors
     /// [`SphError::Option`].
     pub fn validate(&self) -> Result<(), SphError> {
-        let not_negative = |name, x: f64| check(name, x, x >= 0.0 && x.is_finite(), "finite and at least 0");
-        not_negative("k_CFL of the shifting", self.k_cfl)?;
-        not_negative("R of the shifting", self.r)?;
-        not_negative("the factor of the shifting", self.factor)?;
-        check("n of the shifting", self.n.into(), (1..=16).contains(&self.n), "a whole number from 1 to 16")?;
+        let not_negative = |parameter, x: f64| check(parameter, x, x >= 0.0 && x.is_finite(), "finite and at least 0");
+        not_negative(Parameter::ShiftingCfl, self.k_cfl)?;
+        not_negative(Parameter::ShiftingR, self.r)?;
+        not_negative(Parameter::ShiftingFactor, self.factor)?;
+        check(Parameter::ShiftingN, self.n.into(), (1..=16).contains(&self.n), "a whole number from 1 to 16")?;
         if let Some(mach) = self.mach {
-            not_negative("the Mach number of the shifting", mach)?;
+            not_negative(Parameter::ShiftingMach, mach)?;
         }
-        check("the largest shift over the spacing", self.cap, self.cap > 0.0 && self.cap <= 0.5, "above 0, at most 0.5")
+        check(Parameter::ShiftingCap, self.cap, self.cap > 0.0 && self.cap <= 0.5, "above 0, at most 0.5")
     }
 }

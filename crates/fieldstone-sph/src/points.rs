@@ -21,7 +21,7 @@ const FILL: usize = 4096;
 pub(crate) struct BodyGhosts {
     pub(crate) x: Vec<[f64; 3]>,
     pub(crate) volume: Vec<f64>,
-    pub(crate) body: Vec<u16>,
+    pub(crate) body: Vec<u32>,
     pub(crate) no_slip: Vec<bool>,
     /// Interpolated from the fluid in each stage.
     pub(crate) state: Vec<BodyState>,
@@ -46,7 +46,7 @@ impl BodyGhosts {
             let points: Vec<_> = spatial_order(&points).into_iter().map(|i| points[i as usize]).collect();
             let count = ghosts.x.len() + points.len();
             ghosts.volume.resize(count, volume);
-            ghosts.body.resize(count, index as u16);
+            ghosts.body.resize(count, index as u32);
             ghosts.no_slip.resize(count, body.slip == Slip::No);
             ghosts.x.extend(points);
         }
@@ -57,7 +57,7 @@ impl BodyGhosts {
         if boundaries.bodies.iter().any(|b| b.motion.is_some()) {
             ghosts.resting.clone_from(&ghosts.x);
             let outward =
-                |(x, body): (&[f64; 3], &u16)| boundaries.bodies[usize::from(*body)].shape.way_out(*x, fluid.dimension);
+                |(x, body): (&[f64; 3], &u32)| boundaries.bodies[*body as usize].shape.way_out(*x, fluid.dimension);
             ghosts.outward = ghosts.x.par_iter().zip(&ghosts.body).map(outward).collect();
         }
         ghosts.place(boundaries, 0.0);
@@ -323,5 +323,23 @@ impl Points {
         let points = self.len();
         let columns = 64 + 32 + if self.needs_viscous { 32 } else { 0 };
         points * (columns + 24) + self.cells.bytes() + self.fluid_list.bytes() + self.body_list.bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Body, Shape};
+
+    #[test]
+    fn ghosts_belong_to_their_own_body_however_many_there_are() {
+        let fluid = FluidOptions::new(2, 0.1, 1.0, 0.0);
+        let mut boundaries = Boundaries::new([-4.0; 3], [4.0; 3], 0.1);
+        // Without an inside, so that none of them has ghosts or covers another's.
+        let nothing = Shape::Box { low: [0.0; 3], high: [-1.0; 3] };
+        boundaries.bodies = vec![Body::new(nothing, Slip::Free); 1 << 16];
+        boundaries.bodies.push(Body::new(Shape::Sphere { centre: [0.0; 3], radius: 1.0 }, Slip::No));
+        let ghosts = BodyGhosts::new(&fluid, &boundaries);
+        assert!(!ghosts.body.is_empty() && ghosts.body.iter().all(|&body| body == 1 << 16));
     }
 }

@@ -1,8 +1,8 @@
 use crate::FluidOptions;
 use crate::cluster::{BLOCK, Distances, LANES, Receivers, improved};
 use crate::neighbour_list::PairSum;
+use crate::pair::{PairFactors, slope};
 use crate::points::{Carrier, Points};
-use crate::shifting::INSIDE;
 
 /// Rates of one particle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -35,34 +35,21 @@ pub(crate) struct Rates<'a, const VISCOUS_COLUMN: bool> {
     viscous: &'a [[f64; 4]],
     /// Regions with tensile control: inside, p_i changes its sign where it is negative.
     tensile: Option<&'a [u8]>,
-    /// 1/h².
-    inverse_square: f64,
-    factor: f64,
-    /// c₀², ρ₀, 2 δ h c₀, 2 (d + 2) μ, m, g.
-    stiffness: f64,
-    rest_density: f64,
+    pair: PairFactors,
+    /// 2 δ h c₀.
     diffusion: f64,
-    friction: f64,
-    mass: f64,
     gravity: [f64; 3],
 }
 
 impl<'a, const VISCOUS_COLUMN: bool> Rates<'a, VISCOUS_COLUMN> {
     pub(crate) fn new(fluid: &FluidOptions, points: &'a Points, tensile: Option<&'a [u8]>) -> Self {
-        let kernel = fluid.kernel();
-        let h = fluid.h();
         Self {
             carriers: &points.carriers,
             gradients: &points.gradients,
             viscous: &points.viscous,
             tensile,
-            inverse_square: 1.0 / (h * h),
-            factor: kernel.slope_factor(),
-            stiffness: fluid.sound_speed * fluid.sound_speed,
-            rest_density: fluid.density,
-            diffusion: 2.0 * fluid.delta * h * fluid.sound_speed,
-            friction: 2.0 * (fluid.dimension as f64 + 2.0) * fluid.dynamic_viscosity(),
-            mass: fluid.particle_mass(),
+            pair: PairFactors::new(fluid),
+            diffusion: 2.0 * fluid.delta * fluid.h() * fluid.sound_speed,
             gravity: fluid.gravity,
         }
     }
@@ -84,19 +71,14 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
             let i = members[l] as usize;
             [_, _, _, _, ri[l], ui[l], vi[l], wi[l]] = self.carriers[i];
             [gxi[l], gyi[l], gzi[l], _] = self.gradients[i];
-            let excess = ri[l] - self.rest_density;
-            let flips = match self.tensile {
-                None => false,
-                Some(regions) => regions[i] == INSIDE,
-            };
-            own[l] = if excess < 0.0 && flips { -excess } else { excess } - self.rest_density;
+            own[l] = self.pair.own(ri[l], self.tensile, i);
         }
         let (mut px, mut py, mut pz) = (zero, zero, zero);
         let (mut fx, mut fy, mut fz) = (zero, zero, zero);
         let (mut divergence, mut diffusion) = (zero, zero);
         let mut distances = Distances::ZERO;
         for block in list.chunks(BLOCK) {
-            distances.find(&at, self.carriers, block, self.inverse_square);
+            distances.find(&at, self.carriers, block, self.pair.inverse_square);
             for ((&j, squares), guesses) in block.iter().zip(&distances.squares).zip(&distances.guesses) {
                 let [x, y, z, v, r, uj, vj, wj] = self.carriers[j as usize];
                 let [gx, gy, gz, _] = self.gradients[j as usize];
@@ -105,13 +87,11 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
                     let (dx, dy, dz) = (x - at.x[l], y - at.y[l], z - at.z[l]);
                     let s = squares[l];
                     let inverse = improved(guesses[l], s);
-                    let left = (-0.5 * s).mul_add(inverse, 1.0);
-                    let left = if left > 0.0 { left } else { 0.0 };
-                    let g = left * left * (left * v);
+                    let g = slope(s, inverse, v);
                     let along = (uj - ui[l]).mul_add(dx, (vj - vi[l]).mul_add(dy, (wj - wi[l]) * dz));
                     divergence[l] = g.mul_add(along, divergence[l]);
-                    let slope = (gx + gxi[l]).mul_add(dx, (gy + gyi[l]).mul_add(dy, (gz + gzi[l]) * dz));
-                    diffusion[l] = g.mul_add((-0.5f64).mul_add(slope, r - ri[l]), diffusion[l]);
+                    let change = (gx + gxi[l]).mul_add(dx, (gy + gyi[l]).mul_add(dy, (gz + gzi[l]) * dz));
+                    diffusion[l] = g.mul_add((-0.5f64).mul_add(change, r - ri[l]), diffusion[l]);
                     let pressure = g * (r + own[l]);
                     px[l] = pressure.mul_add(dx, px[l]);
                     py[l] = pressure.mul_add(dy, py[l]);
@@ -127,19 +107,19 @@ impl<const VISCOUS_COLUMN: bool> PairSum for Rates<'_, VISCOUS_COLUMN> {
         }
         let mut rates = [Rate::default(); LANES];
         for l in 0..LANES {
-            let pressure = -self.factor * self.stiffness / ri[l];
-            let friction = self.factor * self.friction * self.inverse_square / ri[l];
+            let PairFactors { slope, stiffness, rest_density, mass, .. } = self.pair;
+            let (pressure, friction) = (self.pair.pressure(ri[l]), self.pair.friction(ri[l]));
             let (px, py, pz) = (pressure * px[l], pressure * py[l], pressure * pz[l]);
             let (fx, fy, fz) = (friction * fx[l], friction * fy[l], friction * fz[l]);
-            let divergence = -ri[l] * self.factor * divergence[l];
-            let diffusion = self.diffusion * self.factor * diffusion[l];
-            let compression = self.mass * self.stiffness * (ri[l] - self.rest_density) / (ri[l] * ri[l]);
+            let divergence = -ri[l] * slope * divergence[l];
+            let diffusion = self.diffusion * slope * diffusion[l];
+            let compression = mass * stiffness * (ri[l] - rest_density) / (ri[l] * ri[l]);
             rates[l] = Rate {
                 acceleration: [(px + fx) + self.gravity[0], (py + fy) + self.gravity[1], (pz + fz) + self.gravity[2]],
                 density: divergence + diffusion,
-                viscous_power: self.mass * (fx * ui[l] + fy * vi[l] + fz * wi[l]),
+                viscous_power: mass * (fx * ui[l] + fy * vi[l] + fz * wi[l]),
                 diffusive_power: compression * diffusion,
-                boundary_power: self.mass * (px * ui[l] + py * vi[l] + pz * wi[l]) + compression * divergence,
+                boundary_power: mass * (px * ui[l] + py * vi[l] + pz * wi[l]) + compression * divergence,
             };
         }
         rates

@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use fieldstone_io::vtk::{VtkEncoding, read_pvd, write_pvd, write_vtp_particles};
-use fieldstone_io::{AtomicFile, IoError};
+use fieldstone_io::{AtomicFile, IoError, write_number};
 use fieldstone_particles::{Particles, Quantity};
 
 use crate::gauges::{gauge_columns, gauge_row};
-use crate::{Case, Solver, SphError};
+use crate::{Case, Prepared, Solver, SphError};
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,81 +103,98 @@ fn system(path: &Path, source: std::io::Error) -> SphError {
     IoError::System { path: path.into(), action: "write", source }.into()
 }
 
-/// Runs a case to its end, or until `interrupt` is set, calling `watch` after every step.
-///
-/// Time steps are never shortened to hit a time of output, so the cadence of output does not touch the result: a
-/// file is written at the first step at or after its time. With `resume` the run goes on from its checkpoint, with the
-/// same bits as if it had never stopped; files and rows later than the checkpoint are made anew. The case's fills must make the
-/// particles that the run began with.
+/// Prepares a case and runs it, as [`Prepared::run`] does.
 ///
 /// # Errors
-/// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
-/// `failure.vtp` where they are finite; that of an earlier attempt is removed at the start. [`SphError::Io`], [`SphError::Checkpoint`].
+/// As [`Case::prepare`] and [`Prepared::run`].
 pub fn run(
     case: &Case,
     folder: &RunFolder,
     resume: bool,
     interrupt: &AtomicBool,
-    mut watch: impl FnMut(&Solver),
+    watch: impl FnMut(&Solver),
 ) -> Result<Outcome, SphError> {
-    let output = &case.sections.output;
-    let end = case.sections.time.end;
-    let mut solver = if resume { resumed(case, folder)? } else { case.solver()? };
-    if resume && solver.time() >= end {
-        return Ok(Outcome::Beyond(solver.time()));
-    }
-    // Of an attempt that this one replaces.
-    if folder.failure().exists() {
-        std::fs::remove_file(folder.failure()).map_err(|e| system(&folder.failure(), e))?;
-    }
-    let mut series = Series::open(folder, resume.then(|| solver.time()))?;
-    let columns = gauge_columns(&case.sections.gauge, solver.detects());
-    let mut gauges = Table::open(&folder.gauges(), &columns, resume.then(|| solver.time()))?;
-    let mut frames = Schedule::new(output.every.unwrap_or(end / 50.0), &solver, resume);
-    let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
-    let mut last_checkpoint = Instant::now();
-    loop {
-        if frames.due(&solver) {
-            series.write(&solver)?;
-        }
-        if rows.due(&solver) {
-            let row = gauge_row(&mut solver, &case.sections.gauge)?;
-            gauges.row(&row)?;
-        }
-        let finished = solver.time() >= end;
-        let stop = interrupt.load(Ordering::Relaxed);
-        if finished || stop || last_checkpoint.elapsed().as_secs_f64() >= output.checkpoint_every {
-            gauges.flush()?;
-            solver.write_checkpoint(&folder.checkpoint())?;
-            last_checkpoint = Instant::now();
-        }
-        if finished {
-            return Ok(Outcome::Finished);
-        }
-        if stop {
-            return Ok(Outcome::Interrupted);
-        }
-        if let Err(error) = solver.step() {
-            gauges.flush()?;
-            // The culprit may have no position that a file could hold; the error names it all the same.
-            if let Ok(particles) = particles_of(&solver) {
-                write_vtp_particles(&folder.failure(), &particles, VtkEncoding::default())?;
-            }
-            return Err(error);
-        }
-        watch(&solver);
-    }
+    case.prepare()?.run(folder, resume, interrupt, watch)
 }
 
-/// The solver of a checkpoint, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
-fn resumed(case: &Case, folder: &RunFolder) -> Result<Solver, SphError> {
-    let solver = Solver::read_checkpoint(&folder.checkpoint(), case.flow()?)?;
-    if solver.began_with(&case.state()?) {
-        return Ok(solver);
+impl Prepared<'_> {
+    /// Runs the case to its end, or until `interrupt` is set, calling `watch` after every step.
+    ///
+    /// Time steps are never shortened to hit a time of output, so the cadence of output does not touch the result: a
+    /// file is written at the first step at or after its time. With `resume` the run goes on from its checkpoint, with the
+    /// same bits as if it had never stopped; files and rows later than the checkpoint are made anew. The case's fills must make the
+    /// particles that the run began with.
+    ///
+    /// # Errors
+    /// As [`Solver::step`]: the last checkpoint stays, and the particles as they were then are written to
+    /// `failure.vtp` where they are finite; that of an earlier attempt is removed at the start. [`SphError::Io`], [`SphError::Checkpoint`].
+    pub fn run(
+        self,
+        folder: &RunFolder,
+        resume: bool,
+        interrupt: &AtomicBool,
+        mut watch: impl FnMut(&Solver),
+    ) -> Result<Outcome, SphError> {
+        let case = self.case;
+        let output = &case.sections.output;
+        let end = case.sections.time.end;
+        let mut solver = if resume { self.resumed(folder)? } else { self.solver()? };
+        if resume && solver.time() >= end {
+            return Ok(Outcome::Beyond(solver.time()));
+        }
+        // Of an attempt that this one replaces.
+        if folder.failure().exists() {
+            std::fs::remove_file(folder.failure()).map_err(|e| system(&folder.failure(), e))?;
+        }
+        let mut series = Series::open(folder, resume.then(|| solver.time()))?;
+        let columns = gauge_columns(&case.sections.gauge, solver.detects());
+        let mut gauges = Table::open(&folder.gauges(), &columns, resume.then(|| solver.time()))?;
+        let mut frames = Schedule::new(output.every.unwrap_or(end / 50.0), &solver, resume);
+        let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
+        let mut last_checkpoint = Instant::now();
+        loop {
+            if frames.due(&solver) {
+                series.write(&solver)?;
+            }
+            if rows.due(&solver) {
+                let row = gauge_row(&mut solver, &case.sections.gauge)?;
+                gauges.row(&row)?;
+            }
+            let finished = solver.time() >= end;
+            let stop = interrupt.load(Ordering::Relaxed);
+            if finished || stop || last_checkpoint.elapsed().as_secs_f64() >= output.checkpoint_every {
+                gauges.flush()?;
+                solver.write_checkpoint(&folder.checkpoint())?;
+                last_checkpoint = Instant::now();
+            }
+            if finished {
+                return Ok(Outcome::Finished);
+            }
+            if stop {
+                return Ok(Outcome::Interrupted);
+            }
+            if let Err(error) = solver.step() {
+                gauges.flush()?;
+                // The culprit may have no position that a file could hold; the error names it all the same.
+                if let Ok(particles) = particles_of(&solver) {
+                    write_vtp_particles(&folder.failure(), &particles, VtkEncoding::default())?;
+                }
+                return Err(error);
+            }
+            watch(&solver);
+        }
     }
-    let message = "the run began with other particles than the fills make; only [time], k_cfl and the output may change: put \
+
+    /// The solver of a checkpoint, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
+    fn resumed(self, folder: &RunFolder) -> Result<Solver, SphError> {
+        let solver = Solver::of_checkpoint(&folder.checkpoint(), self.flow)?;
+        if solver.began_with(&self.state) {
+            return Ok(solver);
+        }
+        let message = "the run began with other particles than the fills make; only [time], k_cfl and the output may change: put \
                    the fills back, or start anew in another folder";
-    Err(SphError::Checkpoint { file: folder.checkpoint().display().to_string(), message: message.into() })
+        Err(SphError::Checkpoint { file: folder.checkpoint().display().to_string(), message: message.into() })
+    }
 }
 
 /// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and
@@ -297,7 +314,7 @@ fn is_row_until(line: &str, columns: usize, time: f64) -> bool {
 struct Table {
     path: PathBuf,
     file: File,
-    waiting: String,
+    waiting: Vec<u8>,
 }
 
 impl Table {
@@ -324,18 +341,22 @@ impl Table {
         }
         AtomicFile::write(path, |out| out.write_all(kept.as_bytes()))?;
         let file = OpenOptions::new().append(true).open(path).map_err(|e| system(path, e))?;
-        Ok(Self { path: path.into(), file, waiting: String::new() })
+        Ok(Self { path: path.into(), file, waiting: Vec::new() })
     }
 
     fn row(&mut self, numbers: &[f64]) -> Result<(), SphError> {
-        let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
-        self.waiting.push_str(&words.join(","));
-        self.waiting.push('\n');
+        for (index, &number) in numbers.iter().enumerate() {
+            if index > 0 {
+                self.waiting.push(b',');
+            }
+            write_number(&mut self.waiting, number).map_err(|e| system(&self.path, e))?;
+        }
+        self.waiting.push(b'\n');
         if self.waiting.len() > 1 << 14 { self.flush() } else { Ok(()) }
     }
 
     fn flush(&mut self) -> Result<(), SphError> {
-        self.file.write_all(self.waiting.as_bytes()).map_err(|e| system(&self.path, e))?;
+        self.file.write_all(&self.waiting).map_err(|e| system(&self.path, e))?;
         self.waiting.clear();
         Ok(())
     }

@@ -49,14 +49,14 @@ fn halve(points: &mut [([f64; 3], u32)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fieldstone_testing::Random;
     use glam::DVec3;
 
     #[test]
     fn every_eight_of_a_shuffled_lattice_fill_a_cube_of_two() {
-        let x: Vec<[f64; 3]> = (0..4096u32)
-            .map(|i| i.wrapping_mul(1_664_525).wrapping_add(77) % 4096)
-            .map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from))
-            .collect();
+        let mut x: Vec<[f64; 3]> = (0..4096u32).map(|i| [i % 16, i / 16 % 16, i / 256].map(f64::from)).collect();
+        let mut random = Random(77);
+        x.sort_by_cached_key(|_| random.bits());
         let order = spatial_order(&x);
         let mut seen = order.clone();
         seen.sort_unstable();

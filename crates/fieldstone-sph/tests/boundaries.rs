@@ -9,6 +9,7 @@ use fieldstone_sph::{
     pressure_at,
 };
 use fieldstone_surface::{Method, ScanningCone};
+use fieldstone_testing::Random;
 
 #[test]
 fn a_run_detects_beside_walls_and_periodic_faces_as_the_detection_by_itself_does() {
@@ -25,11 +26,8 @@ fn a_run_detects_beside_walls_and_periodic_faces_as_the_detection_by_itself_does
             let sheet = Shape::Box { low: [0.0; 3], high: [0.4, 0.3, 0.0] };
             let mut state = state(&[sheet], &fluid, |_| [0.0; 3], |_| 0.0);
             // With a third of them gone at random, labels hang on a few neighbours.
-            let mut random = 1u64;
-            state.x.retain(|_| {
-                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                !(random >> 33).is_multiple_of(3)
-            });
+            let mut random = Random(1);
+            state.x.retain(|_| random.below(3) > 0);
             let count = state.x.len();
             state.u.truncate(count);
             state.density.truncate(count);

@@ -199,10 +199,18 @@ fn the_sections_written_as_toml_are_the_case() {
         let mut case = shipped.at_spacing(None).unwrap();
         case.sections.time.end *= 1.5;
         case.sections.time.cfl = 0.125;
-        let again = Case::parse(&case.to_toml(), shipped.name).unwrap();
+        let again = Case::parse(&case.to_toml().unwrap(), shipped.name).unwrap();
         assert_eq!(again.sections, case.sections, "{}", shipped.name);
         assert_eq!(again.flow().unwrap().time_step.cfl, 0.125);
     }
+}
+
+#[test]
+fn sections_that_toml_cannot_say_are_refused_instead_of_written_as_they_were() {
+    let mut case = shipped("hydrostatic");
+    case.sections.dimension = usize::MAX;
+    let error = case.to_toml().unwrap_err().to_string();
+    assert!(error.starts_with("hydrostatic:1: the case cannot be written as TOML: "), "{error}");
 }
 
 #[test]

@@ -372,6 +372,26 @@ fn a_column_that_falls_on_a_box_does_not_get_into_it() {
 }
 
 #[test]
+fn a_table_that_changes_after_the_case_was_read_does_not_change_the_flow() {
+    let space = tempfile::tempdir().unwrap();
+    let (path, table) = (space.path().join("case.toml"), space.path().join("table.csv"));
+    std::fs::write(&path, gate("\"table.csv\"", 0.1)).unwrap();
+    std::fs::write(&table, "0 0 0\n1 0.5 0\n").unwrap();
+    let mut case = Case::read(&path).unwrap();
+    let read = case.flow().unwrap();
+    for content in ["0 0 0\n1 0 0.5\n", "no table"] {
+        std::fs::write(&table, content).unwrap();
+        assert_eq!(case.flow().unwrap(), read);
+        assert_eq!(*case.prepare().unwrap().solver().unwrap().flow(), read);
+    }
+    std::fs::remove_file(&table).unwrap();
+    // Also where sections change, which are then checked anew.
+    case.sections.fluid.delta = 0.05;
+    assert_eq!(case.flow().unwrap().boundaries, read.boundaries);
+    assert_eq!(case.prepare().unwrap().flow().fluid.delta, 0.05);
+}
+
+#[test]
 fn tables_that_are_none_are_named_with_file_and_line() {
     let space = tempfile::tempdir().unwrap();
     let path = space.path().join("case.toml");
@@ -392,6 +412,11 @@ fn tables_that_are_none_are_named_with_file_and_line() {
         let error = Case::read(&path).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\ninstead of {expected}");
     }
+    // What a spreadsheet puts before the first number is none of it.
+    std::fs::write(&table, "\u{feff}0;0;0\r\n1;0.5;0\r\n").unwrap();
+    let flow = Case::read(&path).unwrap().flow().unwrap();
+    let motion = flow.boundaries.bodies[0].motion.as_ref().unwrap();
+    assert_eq!(motion.at(0.5).displacement, [0.25, 0.0, 0.0]);
     for (rows, expected) in [
         ("[[0, 0, 0], [0, 0, 1]]", "c.toml:26: row 2 of the motion: time 0 follows 0"),
         ("[[0, 0, 0]]", "c.toml:26: row 1 of the motion: the motion has 1 rows"),

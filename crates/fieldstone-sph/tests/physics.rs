@@ -189,7 +189,8 @@ fn shifting_per_time_does_not_hang_on_what_bounds_the_step() {
     });
     println!("work of shifting {work:?}");
     // The steps differ, so the flows do; a shift that does not follow the step does four times the work.
-    assert!(as_recorded(work[1] / work[0] - 1.0, 0.19), "{work:?}");
+    let ratio = work[1] / work[0];
+    assert!(ratio > 1.0 / 1.5 && ratio < 1.5, "{work:?}");
 }
 
 #[test]
@@ -277,10 +278,18 @@ fn pressure_of_a_ball(cells_per_radius: f64) -> f64 {
 
 #[test]
 fn a_ball_nears_the_pressure_of_laplace_with_the_spacing() {
-    let recorded: &[(f64, f64)] = if long() { &[(8.0, 0.178), (12.0, 0.083), (16.0, 0.054)] } else { &[(6.0, 0.29)] };
-    for &(cells, excess) in recorded {
+    let cells: &[f64] = if long() { &[8.0, 12.0, 16.0] } else { &[4.0, 6.0] };
+    let excess = |&cells: &f64| {
         let found = pressure_of_a_ball(cells);
         println!("ball, R/Δx = {cells}: mean pressure over 2σ/R {found:.4}");
-        assert!(as_recorded(found - 1.0, excess), "{found}");
+        found - 1.0
+    };
+    let errors: Vec<f64> = cells.iter().map(excess).collect();
+    // First order at least: as the spacing falls, the error does.
+    for (n, error) in errors.windows(2).enumerate() {
+        assert!(error[1].abs() < error[0].abs() * cells[n] / cells[n + 1], "{errors:?}");
     }
+    let recorded: &[f64] = if long() { &[0.178, 0.083, 0.054] } else { &[0.29] };
+    let last = &errors[errors.len() - recorded.len()..];
+    assert!(last.iter().zip(recorded).all(|(error, recorded)| as_recorded(*error, *recorded)), "{errors:?}");
 }

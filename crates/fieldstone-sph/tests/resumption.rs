@@ -88,10 +88,10 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     assert!(message.contains("belongs to another flow"), "{message}");
     // What was written before keeps its name, with another version.
     let mut old = good.clone();
-    old[7] = 4;
+    old[7] = 5;
     std::fs::write(&path, &old).unwrap();
     let message = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap_err().to_string();
-    assert!(message.contains("the checkpoint has format 4, this program reads 5 only: go on with"), "{message}");
+    assert!(message.contains("the checkpoint has format 5, this program reads 6 only: go on with"), "{message}");
     for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
         bad[at] ^= 4;
@@ -162,6 +162,29 @@ fn a_table_goes_on_with_its_own_gauges_only() {
 }
 
 #[test]
+fn small_numbers_of_gauges_are_short_and_a_table_with_long_ones_is_gone_on_with() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    let case = |end: &str| {
+        let text = small(0.02, 0.02).text().replace("end = 0.02", end);
+        Case::parse(&text, "c.toml").unwrap()
+    };
+    run(&case("end = 0.02"), &folder, false, &never, |_| ()).unwrap();
+    let table = std::fs::read_to_string(folder.gauges()).unwrap();
+    let longest = table.lines().skip(1).flat_map(|row| row.split(',')).map(str::len).max().unwrap();
+    assert!(longest <= 25 && table.contains("e-"), "{table}");
+    // Written without exponents, the numbers are the same.
+    let row = |row: &str| row.split(',').map(|x| x.parse::<f64>().unwrap().to_string()).collect::<Vec<_>>().join(",");
+    let long = table.lines().enumerate().map(|(n, line)| if n == 0 { line.into() } else { row(line) } + "\n");
+    std::fs::write(folder.gauges(), long.collect::<String>()).unwrap();
+    run(&case("end = 0.04"), &folder, true, &never, |_| ()).unwrap();
+    let rows = CsvTable::read(&folder.gauges()).unwrap().column("time").unwrap();
+    assert!(rows.len() > table.lines().count() - 1 && rows.windows(2).all(|w| w[0] < w[1]), "{rows:?}");
+    assert_eq!(rows[0], 0.0);
+}
+
+#[test]
 fn cadences_beyond_all_measure_are_no_reason_to_stop() {
     let space = tempfile::tempdir().unwrap();
     let folder = RunFolder::create(space.path()).unwrap();
@@ -188,6 +211,28 @@ fn the_largest_speed_is_that_since_time_0_after_a_stop_too() {
     let mut resumed = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap();
     resumed.step().unwrap();
     assert_eq!(resumed.fastest(), 4.0);
+}
+
+#[test]
+fn questions_to_a_solver_change_neither_its_checkpoint_nor_its_largest_speed() {
+    let space = tempfile::tempdir().unwrap();
+    let path = space.path().join("checkpoint.bin");
+    let case = small(0.02, 0.1);
+    let mut state = case.state().unwrap();
+    state.u[190] = [4.0, 0.0, 0.0];
+    let mut solver = Solver::new(case.flow().unwrap(), state).unwrap();
+    // Also where lists are due.
+    for _ in 0..30 {
+        solver.write_checkpoint(&path).unwrap();
+        let (before, fastest) = (std::fs::read(&path).unwrap(), solver.fastest());
+        solver.allowed_step().unwrap();
+        solver.mean_neighbours().unwrap();
+        solver.boundary_forces().unwrap();
+        assert_eq!(solver.fastest(), fastest);
+        solver.write_checkpoint(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == before, "step {}", solver.steps());
+        solver.step().unwrap();
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the particles of a case weigh, and by how much that is off.
 
-use super::{Case, FillSection};
+use super::{Case, FillSection, Prepared};
 use crate::SphError;
 
 impl Case {
@@ -27,28 +27,29 @@ impl Case {
         };
         s.fill.iter().enumerate().map(lattice).collect()
     }
+}
 
+impl Prepared<'_> {
     /// By how much the particles of each fill are heavier than their cell of its lattice, relatively.
     ///
     /// All particles have one mass. Where fills are divided into cells of one volume it is ρ₀ times that, whatever their lengths over Δx;
     /// else some are too heavy and some too light for the density with which they begin, and the pressure errs by as much.
     ///
     /// # Errors
-    /// As [`flow`](Self::flow).
+    /// As [`Case::flow`].
     ///
     /// ```
     /// # use fieldstone_sph::SHIPPED;
     /// let double = SHIPPED.iter().find(|case| case.name == "double-dam-break").expect("a shipped case");
     /// let double = double.at_spacing(Some(0.07))?;
     /// // 0.8 m and 1.2 m are divided into 11 and 17: into cells of 373 and 352 cm³.
-    /// let excess = double.excess_of_fills()?;
+    /// let excess = double.prepare()?.excess_of_fills()?;
     /// assert!(excess[0] < 0.0 && excess[1] > 0.0);
     /// # Ok::<(), fieldstone_sph::SphError>(())
     /// ```
     pub fn excess_of_fills(&self) -> Result<Vec<f64>, SphError> {
-        let flow = self.flow()?;
-        let particle = flow.fluid.particle_mass() / flow.fluid.density;
-        Ok(self.lattices()?.into_iter().map(|(_, cell)| particle / cell - 1.0).collect())
+        let particle = self.flow.fluid.particle_mass() / self.flow.fluid.density;
+        Ok(self.case.lattices()?.into_iter().map(|(_, cell)| particle / cell - 1.0).collect())
     }
 
     /// By how much the fills' particles are heavier than what the fills' shapes hold at rest, relatively.
@@ -56,7 +57,7 @@ impl Case {
     /// Round fills are cut out of a lattice. What bodies and walls cut off does not count.
     ///
     /// # Errors
-    /// As [`state`](Self::state).
+    /// As [`Case::state`].
     ///
     /// ```
     /// # use fieldstone_sph::Case;
@@ -66,16 +67,15 @@ impl Case {
     ///     "ball.toml",
     /// )?;
     /// // 136 particles of a cubic decimetre in a ball of 113.
-    /// assert!((case.excess_mass()? - (136.0 / 113.0973 - 1.0)).abs() < 1e-6);
+    /// assert!((case.prepare()?.excess_mass()? - (136.0 / 113.0973 - 1.0)).abs() < 1e-6);
     /// # Ok::<(), fieldstone_sph::SphError>(())
     /// ```
     pub fn excess_mass(&self) -> Result<f64, SphError> {
-        let flow = self.flow()?;
-        let s = &self.sections;
-        let particle = flow.fluid.particle_mass() / flow.fluid.density;
+        let s = &self.case.sections;
+        let particle = self.flow.fluid.particle_mass() / self.flow.fluid.density;
         let (mut count, mut volume) = (0, 0.0);
         for (nth, fill) in s.fill.iter().enumerate() {
-            let shape = self.shape("fill", nth, &fill.keys())?;
+            let shape = self.case.shape("fill", nth, &fill.keys())?;
             count += shape.lattice(s.spacing, s.dimension).0.len();
             volume += shape.volume(s.dimension);
         }

@@ -6,6 +6,8 @@ mod keys;
 mod locate;
 mod masses;
 mod motion;
+mod placed;
+mod prepared;
 mod sections;
 mod shipped;
 
@@ -16,6 +18,7 @@ use fieldstone_surface::{Method, SurfaceError, Wall};
 use serde::{Deserialize, Serialize};
 
 pub use motion::MotionSection;
+pub use prepared::Prepared;
 pub use sections::{
     AxisName, BodySection, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
     GaugeKind, GaugeSection, OutputSection, Pressure, PressureName, ShapeName, ShiftingSection, SlipName, TimeSection,
@@ -25,7 +28,7 @@ pub use shipped::{SHIPPED, ShippedCase};
 
 use crate::{
     Body, Boundaries, ClosedSurface, Flow, FluidOptions, Integrator, MirrorWall, Motion, Shape, ShiftingOptions,
-    Solver, SphError, State, TimeStepOptions, Viscosity,
+    SphError, TimeStepOptions, Viscosity,
 };
 use locate::{line_of, section_at};
 use sections::{ShapeKeys, SurfaceKeys};
@@ -51,6 +54,10 @@ pub struct Case {
     file: String,
     /// Surfaces that fills and bodies name, read once.
     surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)>,
+    /// Motions by the names of their tables and the dimension, read once.
+    motions: Vec<(String, usize, Motion)>,
+    /// The sections that were checked last, and the flow that they make.
+    checked: Option<Box<(Sections, Flow)>>,
 }
 
 /// The tables of a case file.
@@ -119,9 +126,9 @@ impl Case {
             }
             SphError::Case { file: file.into(), line, message }
         })?;
-        let mut case = Self { sections, text: text.into(), file: file.into(), surfaces: Vec::new() };
-        case.read_surfaces()?;
-        case.check()?;
+        let (surfaces, motions) = (Vec::new(), Vec::new());
+        let mut case = Self { sections, text: text.into(), file: file.into(), surfaces, motions, checked: None };
+        case.read_and_check()?;
         Ok(case)
     }
 
@@ -132,16 +139,19 @@ impl Case {
 
     /// The sections as they are now, as a case file: what was left out in the text stands there with its value.
     ///
+    /// # Errors
+    /// [`SphError::Case`] where TOML cannot say what a section holds, such as a whole number beyond 2⁶³.
+    ///
     /// ```
     /// # use fieldstone_sph::{Case, SHIPPED};
     /// let mut case = SHIPPED[0].at_spacing(None)?;
     /// case.sections.time.end = 0.25;
-    /// assert_eq!(Case::parse(&case.to_toml(), "case.toml")?.sections, case.sections);
+    /// assert_eq!(Case::parse(&case.to_toml()?, "case.toml")?.sections, case.sections);
     /// # Ok::<(), fieldstone_sph::SphError>(())
     /// ```
-    pub fn to_toml(&self) -> String {
-        // Names and numbers alone: nothing that TOML cannot say.
-        toml::to_string(&self.sections).unwrap_or_else(|_| self.text.clone())
+    pub fn to_toml(&self) -> Result<String, SphError> {
+        toml::to_string(&self.sections)
+            .map_err(|e| self.fault("", 0, "", format!("the case cannot be written as TOML: {e}")))
     }
 
     /// The same case at another spacing, with its [`sections`](Self::sections) as they are now and the [`text`](Self::text) that it
@@ -158,8 +168,7 @@ impl Case {
             .map(|line| if is_key(line) { format!("spacing = {spacing}\n") } else { format!("{line}\n") });
         let mut case = Self { text: lines.collect(), ..self.clone() };
         case.sections.spacing = spacing;
-        case.read_surfaces()?;
-        case.check()?;
+        case.read_and_check()?;
         // The text has to say what the sections do.
         if toml::from_str::<Sections>(&case.text).is_ok_and(|said| said.spacing.to_bits() == spacing.to_bits()) {
             return Ok(case);
@@ -177,12 +186,31 @@ impl Case {
         self.sections.dimension - 1
     }
 
-    /// Fluid, boundaries and options, checked.
+    /// Fluid, boundaries and options, checked; files that the case names are those that were read with it.
     ///
     /// # Errors
     /// [`SphError::Case`] with the line of what does not fit.
     pub fn flow(&self) -> Result<Flow, SphError> {
-        self.check()
+        match self.checked.as_deref() {
+            Some((sections, flow)) if *sections == self.sections => Ok(flow.clone()),
+            _ => self.check(),
+        }
+    }
+
+    /// Reads the files that the sections name, and keeps the flow that they make.
+    fn read_and_check(&mut self) -> Result<(), SphError> {
+        self.read_surfaces()?;
+        let flow = self.check()?;
+        let bodies = self.sections.body.iter().zip(&flow.boundaries.bodies);
+        let read = bodies.filter_map(|(section, body)| match (&section.motion, &body.motion) {
+            (Some(MotionSection::File(name)), Some(motion)) => {
+                Some((name.clone(), self.sections.dimension, motion.clone()))
+            }
+            _ => None,
+        });
+        self.motions = read.collect();
+        self.checked = Some(Box::new((self.sections.clone(), flow)));
+        Ok(())
     }
 
     /// What the sections say as a flow, which is checked by itself.
@@ -251,59 +279,6 @@ impl Case {
         }
         flow.validate().map_err(|e| self.placed(e))?;
         Ok(flow)
-    }
-
-    /// Gives an error of the solver its line.
-    fn placed(&self, error: SphError) -> SphError {
-        let (section, nth, key) = match &error {
-            SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
-            SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
-            SphError::CutBody { body, .. } => ("body", *body, "shape"),
-            SphError::Overlapping { second, .. } => ("body", *second, "shape"),
-            SphError::TooNarrow { .. } => ("domain", 0, "high"),
-            SphError::SameSide { second, .. } => ("wall", self.section_of_wall(*second), "kind"),
-            SphError::Option { name, .. } => match *name {
-                "h/Δx" => ("fluid", 0, "smoothing"),
-                "the density" => ("fluid", 0, "density"),
-                "the speed of sound" => ("fluid", 0, "sound_speed"),
-                "the viscosity" => ("fluid", 0, "viscosity"),
-                "α" => ("fluid", 0, "alpha"),
-                "δ" => ("fluid", 0, "delta"),
-                "the surface tension" => ("fluid", 0, "surface_tension"),
-                "the expected speed" => ("fluid", 0, "expected_speed"),
-                "the expected pressure" => ("fluid", 0, "expected_pressure"),
-                "gravity" => ("fluid", 0, "gravity"),
-                "the CFL number" => ("time", 0, "cfl"),
-                "the viscous factor of the time step" => ("time", 0, "viscous"),
-                "the capillary factor of the time step" => ("time", 0, "capillary"),
-                "the largest time step" => ("time", 0, "largest"),
-                "an edge of the domain" => ("domain", 0, "high"),
-                "the cosine between two walls" => ("wall", 0, "kind"),
-                "a wall's normal along a periodic axis" => ("wall", 0, "normal"),
-                "k_CFL of the shifting" => ("shifting", 0, "k_cfl"),
-                "R of the shifting" => ("shifting", 0, "r"),
-                "n of the shifting" => ("shifting", 0, "n"),
-                "the factor of the shifting" => ("shifting", 0, "factor"),
-                "the Mach number of the shifting" => ("shifting", 0, "mach"),
-                "the Mach number of the shifting, expected speed over speed of sound," => {
-                    ("fluid", 0, "expected_speed")
-                }
-                "the largest shift over the spacing" => ("shifting", 0, "cap"),
-                _ => ("shifting", 0, ""),
-            },
-            _ => return error,
-        };
-        self.fault(section, nth, key, error.to_string())
-    }
-
-    /// Number of the section that a mirror wall comes from.
-    fn section_of_wall(&self, wall: usize) -> usize {
-        let walls = self.sections.wall.iter();
-        let ends = walls.scan(0, |end, section| {
-            *end += self.planes_of(section).len();
-            Some(*end)
-        });
-        ends.take_while(|&end| end <= wall).count()
     }
 
     /// Normals and offsets of the mirror walls that a section stands for: of a tank those of all faces but open and periodic ones.
@@ -383,7 +358,7 @@ impl Case {
 
     /// Reads each surface once: flow and state ask for it again and again.
     fn read_surfaces(&mut self) -> Result<(), SphError> {
-        let mut surfaces: Vec<(SurfaceKeys, Arc<ClosedSurface>)> = Vec::new();
+        let mut surfaces = self.surfaces.clone();
         for (section, nth, keys) in self.shapes() {
             let wanted = keys.surface().map_err(|(key, message)| self.fault(section, nth, key, message))?;
             if let Some(wanted) = wanted.filter(|wanted| surfaces.iter().all(|(keys, _)| keys != wanted)) {
@@ -416,6 +391,9 @@ impl Case {
         match &self.sections.body[nth].motion {
             None => Ok(None),
             Some(MotionSection::File(name)) => {
+                if let Some((.., known)) = self.motions.iter().find(|(n, d, _)| n == name && *d == dimension) {
+                    return Ok(Some(known.clone()));
+                }
                 let path = self.beside(name);
                 if !path.is_file() {
                     let message = format!("there is no file {}; give its path from the case's folder", path.display());
@@ -432,62 +410,5 @@ impl Case {
     /// Path of a file that is named in the case: from the case's own folder.
     fn beside(&self, name: &str) -> PathBuf {
         Path::new(&self.file).parent().unwrap_or(Path::new("")).join(name)
-    }
-
-    /// The particles at the start: each fill's lattice, without what lies in bodies or behind walls.
-    ///
-    /// # Errors
-    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, nothing is filled, or a fill begins with a pressure or speed
-    /// for which the fluid would be too compressible.
-    pub fn state(&self) -> Result<State, SphError> {
-        let flow = self.flow()?;
-        let s = &self.sections;
-        let mut state = State::default();
-        let mut shapes: Vec<Shape> = Vec::new();
-        for (nth, fill) in s.fill.iter().enumerate() {
-            let shape = self.shape("fill", nth, &fill.keys())?;
-            let (points, _) = shape.lattice(s.spacing, s.dimension);
-            let bounds = shape.bounds();
-            self.check_gravity(nth, bounds, &flow)?;
-            let levelling = flow.boundaries.levelling(flow.fluid.gravity);
-            let before = state.len();
-            for x in points {
-                if flow.boundaries.bodies.iter().any(|b| b.contains(x, 0.0, s.dimension)) {
-                    continue;
-                }
-                if (0..s.dimension).any(|k| x[k] < flow.boundaries.low[k] || x[k] > flow.boundaries.high[k]) {
-                    let message = format!("the fill leaves the domain at {x:?}; enlarge one or shrink the other");
-                    return Err(self.fault("fill", nth, "shape", message));
-                }
-                if flow.boundaries.walls.iter().any(|w| w.plane.distance(x) < 0.0) {
-                    continue;
-                }
-                if let Some(other) = shapes.iter().position(|s2| s2.contains(x, s.dimension)) {
-                    let message = format!("this fill overlaps fill {other} at {x:?}; move one of them");
-                    return Err(self.fault("fill", nth, "shape", message));
-                }
-                let (velocity, pressure) = fill.initial(x, bounds, self.up(), &flow.fluid, levelling);
-                state.x.push(x);
-                state.u.push(velocity);
-                state.density.push(flow.fluid.density_at(pressure));
-            }
-            self.check_start(nth, &flow.fluid, &state, before)?;
-            shapes.push(shape);
-        }
-        if state.x.is_empty() {
-            let message = "nothing is filled: the shapes are smaller than the spacing, or all in bodies or behind walls; a \
-                           wall's normal points into the fluid";
-            return Err(self.fault("fill", 0, "shape", message));
-        }
-        state.id = (0..state.x.len() as u32).collect();
-        Ok(state)
-    }
-
-    /// A solver at time 0.
-    ///
-    /// # Errors
-    /// As [`flow`](Self::flow) and [`state`](Self::state).
-    pub fn solver(&self) -> Result<Solver, SphError> {
-        Solver::new(self.flow()?, self.state()?)
     }
 }

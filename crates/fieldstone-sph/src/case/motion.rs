@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use fieldstone_io::read_number_rows;
 use serde::{Deserialize, Serialize};
 
 use crate::{Motion, SphError};
@@ -44,39 +45,18 @@ impl MotionSection {
     }
 }
 
-/// Reads a table of time and displacement: numbers between commas, semicolons or blanks, `#` before comments, and at
-/// most one line of names before the first row.
+/// Reads a table of time and displacement, as [`read_number_rows`] does.
 ///
 /// # Errors
-/// [`SphError::Case`] with the line of the table.
+/// [`SphError::Io`], [`SphError::Case`] with the line of the table.
 pub(super) fn read_table(path: &Path, dimension: usize) -> Result<Motion, SphError> {
-    let file = path.display().to_string();
-    let fault = |line: usize, message: String| SphError::Case { file: file.clone(), line, message };
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| fault(1, format!("cannot be read: {e}; the name counts from the folder of the case")))?;
-    let (mut rows, mut lines) = (Vec::new(), Vec::new());
-    let mut named = false;
-    for (index, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let words: Vec<&str> =
-            line.split(|c: char| matches!(c, ',' | ';') || c.is_whitespace()).filter(|w| !w.is_empty()).collect();
-        if rows.is_empty() && !named && words.iter().all(|word| word.parse::<f64>().is_err()) {
-            named = true;
-            continue;
-        }
-        let number = |word: &&str| {
-            word.parse::<f64>()
-                .map_err(|_| fault(index + 1, format!("'{word}' is no number; give time and displacement")))
-        };
-        let numbers = words.iter().map(number).collect::<Result<Vec<f64>, SphError>>()?;
-        rows.push(split(&numbers, dimension).map_err(|e| fault(index + 1, e))?);
-        lines.push(index + 1);
-    }
+    let fault =
+        |line: u64, message: String| SphError::Case { file: path.display().to_string(), line: line as usize, message };
+    let table = read_number_rows(path)?;
+    let row = |(line, numbers): &(u64, Vec<f64>)| split(numbers, dimension).map_err(|e| fault(*line, e));
+    let rows = table.iter().map(row).collect::<Result<Vec<_>, SphError>>()?;
     Motion::new(&rows).map_err(|error| match error {
-        SphError::Motion { row, message } => fault(lines.get(row - 1).copied().unwrap_or(1), message),
+        SphError::Motion { row, message } => fault(table.get(row - 1).map_or(1, |(line, _)| *line), message),
         other => other,
     })
 }

@@ -82,6 +82,15 @@ pub struct Solver {
     began: u32,
 }
 
+/// How long a step may be.
+struct StepLength {
+    length: f64,
+    /// The length over the one that sound alone would allow.
+    share: f64,
+    /// Speed of the fastest particle.
+    fastest: f64,
+}
+
 /// What a solver is restarted from, beside its flow.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Snapshot {
@@ -106,6 +115,11 @@ impl Solver {
     /// As [`Flow::validate`]; [`SphError::Length`], and [`SphError::Broken`] for a state that is not one.
     pub fn new(flow: Flow, state: State) -> Result<Self, SphError> {
         flow.validate()?;
+        Self::of_checked(flow, state)
+    }
+
+    /// As [`new`](Self::new), with a flow that was validated.
+    pub(crate) fn of_checked(flow: Flow, state: State) -> Result<Self, SphError> {
         let began = state.fingerprint();
         let mut solver = Self::with(flow, state)?;
         solver.began = began;
@@ -179,7 +193,7 @@ impl Solver {
             state: self.state.clone(),
             regions: self.regions.clone(),
             built_at: if self.lists_due { Vec::new() } else { self.stage.built_at.clone() },
-            listed_at: self.stage.listed_at,
+            listed_at: if self.lists_due { 0.0 } else { self.stage.listed_at },
             time: self.time,
             steps: self.steps,
             last_step: self.last_step,
@@ -272,7 +286,10 @@ impl Solver {
         ghosts.images.len() + self.stage.points.bodies.x.len()
     }
 
-    /// Mean number of points within the kernel's reach, the particle itself left out.
+    /// Mean number of points within the kernel's reach, the particle itself left out; 0 where there is no particle.
+    ///
+    /// Needs the solver to itself: the present state is evaluated for it, as at the start of a step. Neither the state nor
+    /// what a checkpoint holds changes.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -281,8 +298,9 @@ impl Solver {
         let points = &self.stage.points;
         let mut counts = vec![0u32; self.state.len()];
         points.fluid_list.sum(&NeighbourCount::new(self.flow.fluid.kernel().reach(), &points.carriers), &mut counts);
-        let total: u64 = counts.iter().map(|&c| u64::from(c)).sum();
-        Ok(total as f64 / self.state.len().max(1) as f64 - 1.0)
+        // Each counts itself, unless its position is no number.
+        let others: u64 = counts.iter().map(|&c| u64::from(c).saturating_sub(1)).sum();
+        Ok(others as f64 / self.state.len().max(1) as f64)
     }
 
     /// Bytes that the solver holds from step to step; writing the particles takes some 100 more of each for a moment.
@@ -296,6 +314,8 @@ impl Solver {
 
     /// Acceleration of every particle in the present state.
     ///
+    /// Evaluates the state, as [`mean_neighbours`](Self::mean_neighbours) does.
+    ///
     /// # Errors
     /// As [`step`](Self::step).
     pub fn accelerations(&mut self) -> Result<Vec<[f64; 3]>, SphError> {
@@ -304,6 +324,8 @@ impl Solver {
     }
 
     /// Forces of the fluid on walls and bodies in the present state.
+    ///
+    /// Evaluates the state, as [`mean_neighbours`](Self::mean_neighbours) does.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -314,11 +336,13 @@ impl Solver {
 
     /// The time step that the present state allows.
     ///
+    /// Evaluates the state, as [`mean_neighbours`](Self::mean_neighbours) does.
+    ///
     /// # Errors
     /// As [`step`](Self::step).
     pub fn allowed_step(&mut self) -> Result<f64, SphError> {
         self.evaluate()?;
-        Ok(self.step_length().0)
+        Ok(self.step_length().length)
     }
 
     /// Rates of the present state.
@@ -338,21 +362,20 @@ impl Solver {
         self.fastest
     }
 
-    /// The time step, and what it is over the one that sound alone would allow.
-    fn step_length(&mut self) -> (f64, f64) {
+    /// The time step for the latest evaluation.
+    fn step_length(&self) -> StepLength {
         let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let speed = self.state.u.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt();
+        let fastest = self.state.u.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt();
         let acceleration = self.stage.rates.par_iter().map(|r| square(&r.acceleration)).reduce(|| 0.0, f64::max).sqrt();
-        self.fastest = self.fastest.max(speed);
-        let allowed = self.flow.time_step.step(&self.flow.fluid, speed, acceleration);
+        let allowed = self.flow.time_step.step(&self.flow.fluid, fastest, acceleration);
         // A body counts with the fastest that it will be within the step.
         let motions = self.flow.boundaries.bodies.iter().filter_map(|b| b.motion.as_ref());
         let (speed, acceleration) = motions
             .map(|m| m.largest(self.time, self.time + allowed))
-            .fold((speed, acceleration), |(u, a), (v, b)| (u.max(v), a.max(b)));
+            .fold((fastest, acceleration), |(u, a), (v, b)| (u.max(v), a.max(b)));
         let Flow { fluid, time_step, .. } = &self.flow;
-        let step = time_step.step(fluid, speed, acceleration);
-        (step, time_step.share_of_sound(fluid, speed, step))
+        let length = time_step.step(fluid, speed, acceleration);
+        StepLength { length, share: time_step.share_of_sound(fluid, speed, length), fastest }
     }
 
     /// Makes one time step and returns its length.
@@ -371,7 +394,8 @@ impl Solver {
         let mut clock = Instant::now();
         // Here and not with what is booked in every stage, of which integrators have different numbers.
         self.budget.singular += self.stage.gradients.par_iter().filter(|g| g[3] != 0.0).count() as u64;
-        let (dt, share) = self.step_length();
+        let StepLength { length: dt, share, fastest } = self.step_length();
+        self.fastest = self.fastest.max(fastest);
         self.stage.phases.add(Phase::Rest, &mut clock);
         match self.flow.time_step.integrator {
             Integrator::Symplectic => self.step_symplectic(dt)?,
@@ -452,6 +476,13 @@ impl Solver {
 mod tests {
     use super::*;
     use crate::{FluidOptions, Shape, ShiftingOptions};
+
+    #[test]
+    fn a_flow_without_particles_has_no_neighbours() {
+        let fluid = FluidOptions::new(2, 0.1, 1.0, 0.0);
+        let flow = Flow::new(fluid, Boundaries::new([-2.0; 3], [2.0; 3], 0.1));
+        assert_eq!(Solver::new(flow, State::default()).unwrap().mean_neighbours().unwrap(), 0.0);
+    }
 
     #[test]
     fn shifts_follow_their_particles_into_another_order() {

@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
 use fieldstone::io::AtomicFile;
-use fieldstone::sph::{Case, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver, run};
+use fieldstone::sph::{Case, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -146,7 +146,9 @@ impl Check {
 }
 
 fn measure(case: &Case) -> anyhow::Result<Figures> {
-    let mut solver = case.solver()?;
+    let prepared = case.prepare()?;
+    let (excess_mass, excess_of_fills) = (prepared.excess_mass()?, prepared.excess_of_fills()?);
+    let mut solver = prepared.solver()?;
     // Counted by the exact detection, whichever the case uses.
     let labels = solver.labels(&fieldstone::surface::Exact::default())?;
     let free_surface = labels.iter().filter(|&&free| free).count();
@@ -167,8 +169,8 @@ fn measure(case: &Case) -> anyhow::Result<Figures> {
         steps,
         bytes: solver.bytes(),
         seconds: steps * seconds,
-        excess_mass: case.excess_mass()?,
-        excess_of_fills: case.excess_of_fills()?,
+        excess_mass,
+        excess_of_fills,
     })
 }
 
@@ -200,8 +202,9 @@ impl Run {
     fn run(self) -> anyhow::Result<()> {
         let case = Case::read(&self.case)?;
         // What cannot start leaves no folder behind.
-        case.state()?;
-        warn_of_uneven_fills(&case.excess_of_fills()?);
+        let prepared = case.prepare()?;
+        warn_of_uneven_fills(&prepared.excess_of_fills()?);
+        let sound_speed = prepared.flow().fluid.sound_speed;
         let again = self.resume_command();
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
         let files = if self.resume { RunFolder::begun(&folder)? } else { RunFolder::create(&folder)? };
@@ -224,7 +227,7 @@ impl Run {
         let mut last = None;
         let start = Instant::now();
         let mut first_time = None;
-        let outcome = run(&case, &files, self.resume, &interrupt, |solver| {
+        let outcome = prepared.run(&files, self.resume, &interrupt, |solver| {
             let first = *first_time.get_or_insert(solver.time());
             show(&bar, solver, case.sections.time.end, first, start);
             last = Some((*solver.phases(), solver.state().len(), *solver.budget(), solver.fastest(), solver.steps()));
@@ -238,7 +241,6 @@ impl Run {
             }
             text.push_str(&format!("largest speed        {fastest:.4}\n"));
             report::print(&text)?;
-            let sound_speed = case.flow()?.fluid.sound_speed;
             if fastest > TOO_FAST * sound_speed {
                 report::warn(&format!(
                     "particles were as fast as {fastest:.4}, with a speed of sound of {sound_speed}: the fluid was compressible; \

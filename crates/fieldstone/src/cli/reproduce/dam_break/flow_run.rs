@@ -115,7 +115,8 @@ impl Flows {
 
     fn compute(&self, flow: &FlowRun, name: &str) -> anyhow::Result<()> {
         let files = RunFolder::create(&flow.folder)?;
-        AtomicFile::write(&flow.case_path(), |out| out.write_all(flow.case.to_toml().as_bytes()))?;
+        let text = flow.case.to_toml()?;
+        AtomicFile::write(&flow.case_path(), |out| out.write_all(text.as_bytes()))?;
         let (end, resume) = (flow.case.sections.time.end, files.checkpoint().exists());
         let bar = progress(1000, name)?;
         let mut failure = None;
