@@ -206,14 +206,6 @@ fn the_sections_written_as_toml_are_the_case() {
 }
 
 #[test]
-fn sections_that_toml_cannot_say_are_refused_instead_of_written_as_they_were() {
-    let mut case = shipped("hydrostatic");
-    case.sections.dimension = usize::MAX;
-    let error = case.to_toml().unwrap_err().to_string();
-    assert!(error.starts_with("hydrostatic:1: the case cannot be written as TOML: "), "{error}");
-}
-
-#[test]
 fn the_spacing_is_changed_wherever_its_line_stands() {
     let text = shipped("hydrostatic").text().replace("spacing = 0.025", "  spacing=0.025 # fine");
     let case = Case::parse(&text, "c.toml").unwrap().with_spacing(0.05).unwrap();

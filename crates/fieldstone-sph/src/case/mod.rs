@@ -140,7 +140,7 @@ impl Case {
     /// The sections as they are now, as a case file: what was left out in the text stands there with its value.
     ///
     /// # Errors
-    /// [`SphError::Case`] where TOML cannot say what a section holds, such as a whole number beyond 2⁶³.
+    /// [`SphError::Case`] where TOML cannot say what a section holds; names and numbers, which are all they hold, it can.
     ///
     /// ```
     /// # use fieldstone_sph::{Case, SHIPPED};
