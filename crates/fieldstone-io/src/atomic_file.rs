@@ -146,7 +146,7 @@ mod tests {
 
     fn mode(path: &Path) -> u32 {
         use std::os::unix::fs::PermissionsExt;
-        std::fs::metadata(path).unwrap().permissions().mode() & 0o777
+        std::fs::metadata(path).expect("a file that was written").permissions().mode() & 0o777
     }
 
     #[test]
