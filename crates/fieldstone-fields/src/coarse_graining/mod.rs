@@ -218,7 +218,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let weights = match self.options.function {
             Function::Overlap(method) => ParticleWeights::Overlap(Binning::new(self.cells, method)?),
             Function::Kernel(kernel) => ParticleWeights::Sampled {
-                sampling: Sampling::new(self.cells, kernel),
+                sampling: Sampling::new(self.cells, kernel)?,
                 conserve: self.options.conserve,
             },
         };
@@ -295,7 +295,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let weights: ContactWeights<'_, C> = match (self.options.form(), self.options.function) {
             (ContactForm::ParticleCentred, _) => return Ok(()),
             (ContactForm::LineIntegral, Function::Kernel(kernel)) => {
-                ContactWeights::Sampled(Sampling::new(self.cells, kernel))
+                ContactWeights::Sampled(Sampling::new(self.cells, kernel)?)
             }
             _ => ContactWeights::Segments(Segments::new(self.cells)),
         };

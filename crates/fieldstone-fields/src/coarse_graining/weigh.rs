@@ -23,17 +23,17 @@ pub(super) struct Sampling<'a> {
 }
 
 impl<'a> Sampling<'a> {
-    pub fn new<C: Cells>(cells: &'a C, kernel: Kernel) -> Self {
+    pub fn new<C: Cells>(cells: &'a C, kernel: Kernel) -> Result<Self, FieldsError> {
         let averaged = cells.averaged();
         let (low, high) = cells.bounds();
         let share = (0..3).filter(|&k| averaged[k]).map(|k| 1.0 / (high[k] - low[k])).product();
         let dimensions = averaged.iter().filter(|a| !**a).count();
-        Self {
+        Ok(Self {
             places: Places::new(cells, 0.2 * kernel.width()),
-            kernel: kernel.in_dimensions(dimensions),
+            kernel: kernel.in_dimensions(dimensions)?,
             averaged,
             share,
-        }
+        })
     }
 
     pub fn reach(&self) -> f64 {
