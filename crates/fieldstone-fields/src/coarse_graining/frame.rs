@@ -156,27 +156,7 @@ fn vector_of(column: Option<&[f64]>, particle: usize) -> [f64; 3] {
     column.map_or([0.0; 3], |v| [v[3 * particle], v[3 * particle + 1], v[3 * particle + 2]])
 }
 
-fn column<'a>(particles: &'a Particles, name: &str, components: usize) -> Result<&'a [f64], FieldsError> {
-    let found = particles.quantity(name)?;
-    if found.components != components {
-        return Err(FieldsError::Components { name: name.into(), found: found.components, expected: components });
-    }
-    finite(name, &found.data, components)?;
-    Ok(&found.data)
-}
-
-fn finite(name: &str, data: &[f64], components: usize) -> Result<(), FieldsError> {
-    match data.iter().position(|x| !x.is_finite()) {
-        None => Ok(()),
-        Some(at) => Err(FieldsError::Particles(fieldstone_particles::ParticlesError::NotFinite {
-            index: at / components,
-            what: name.into(),
-            value: data[at],
-        })),
-    }
-}
-
-/// Mass of each particle: its own column, else density × volume.
+/// Mass of each particle: by the density of all where one is given, else by the particle's own mass or density.
 fn masses(particles: &Particles, volumes: &[f64], density: Option<f64>) -> Result<Vec<f64>, FieldsError> {
     if let Some(density) = density {
         return Ok(volumes.iter().map(|v| v * density).collect());

@@ -50,9 +50,9 @@ use weigh::{ContactWeights, ParticleWeights, Sampling, Scratch, Weigher};
 /// Only such linear sums are accumulated; velocity, kinetic stress, temperature and pressure are derived once, by
 /// [`CoarseGraining::finish`]. [`FieldName`] has the formulas.
 ///
-/// Positions, radii and masses come from the particles; `mass` (else `density`, else
-/// [`CoarseGrainingOptions::particle_density`]), `velocity`, `angular_velocity` and `displacement` are columns, needed
-/// where a field asks for them.
+/// Positions and radii come from the particles; their columns `mass` (else `density`), `velocity`, `angular_velocity` and
+/// `displacement` are needed where a field asks for them. [`CoarseGrainingOptions::particle_density`] stands in place of
+/// the particles' own masses.
 ///
 /// Exact weights conserve: Σ ρ V_c is the mass inside the cells to rounding. Kernels are values at points and do not,
 /// unless [`CoarseGrainingOptions::conserve`] scales them to.
