@@ -15,7 +15,7 @@ fn grid_of(case: &Case, cells: [usize; 3]) -> Grid {
 
 #[test]
 fn contact_tractions_close_the_momentum_balance_of_every_cell() {
-    for case in [support::mercury_box(), support::liggghts_chute(), support::lammps_pack()].into_iter().flatten() {
+    for case in support::cases() {
         for cells in [[1; 3], [7, 9, 11], [40, 40, 60]] {
             let grid = grid_of(&case, cells);
             let traction = contact_traction(&grid, &case.particles, &case.contacts, Some(&case.domain)).unwrap();
@@ -29,7 +29,7 @@ fn contact_tractions_close_the_momentum_balance_of_every_cell() {
 
 #[test]
 fn solid_fluxes_are_the_rate_at_which_the_overlap_of_each_cell_grows() {
-    for case in [support::mercury_box(), support::liggghts_chute(), support::lammps_pack()].into_iter().flatten() {
+    for case in support::cases() {
         let grid = grid_of(&case, [7, 9, 11]);
         let flux = solid_flux(&grid, &case.particles, Some(&case.domain)).unwrap();
         // The gradient of the overlap with each cell as a polyhedron of its own.
