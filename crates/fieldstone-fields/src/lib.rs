@@ -27,7 +27,7 @@ mod weights;
 
 pub use coarse_graining::{
     CoarseGraining, CoarseGrainingLedger, CoarseGrainingOptions, ContactForm, Field, FieldName, Fields, Function,
-    MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, displacements,
+    MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, component_names, displacements,
 };
 pub use error::FieldsError;
 pub use face_fields::{ContactTraction, SolidFlux, contact_traction, solid_flux};

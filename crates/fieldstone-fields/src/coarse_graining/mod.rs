@@ -25,7 +25,7 @@ use crate::{FieldsError, NeumaierSum};
 
 use crate::periodic::Periods;
 use derive::Densities;
-pub use fields::{CoarseGrainingLedger, Field, Fields};
+pub use fields::{CoarseGrainingLedger, Field, Fields, component_names};
 use frame::Frame;
 use layout::{Column, GROUPS, Group, Layout};
 pub use names::FieldName;
