@@ -9,7 +9,9 @@
 //! the balances of momentum and solid volume of each.
 
 mod binning;
+mod checks;
 mod coarse_graining;
+mod curve;
 mod erf;
 mod error;
 mod face_fields;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::layout::{Column, Layout};
 use super::options::{CoarseGrainingOptions, QuantityKind, Selection, component_of};
 use crate::FieldsError;
+use crate::checks::{check_finite, check_partners, check_radii, column};
 
 /// Columns of which each has one number per particle, this far apart.
 type Strided<'a> = Vec<(&'a [f64], usize)>;
@@ -34,9 +35,7 @@ impl<'a> Frame<'a> {
     ) -> Result<Self, FieldsError> {
         use Column::*;
         let radii = particles.radii()?;
-        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
-            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
-        }
+        check_radii(radii)?;
         let volumes: Vec<f64> = radii.par_iter().map(|r| 4.0 / 3.0 * PI * r * r * r).collect();
         let vector = |name: &'static str, needed: bool| -> Result<Option<&'a [f64]>, FieldsError> {
             match column(particles, name, 3) {
@@ -57,7 +56,7 @@ impl<'a> Frame<'a> {
                         _ => (column.as_str(), None),
                     };
                     let found = particles.quantity(name)?;
-                    finite(name, &found.data, found.components)?;
+                    check_finite(name, &found.data, found.components)?;
                     match component {
                         Some(k) if k < found.components => {
                             Ok((found.data.get(k..).unwrap_or_default(), found.components))
@@ -133,22 +132,8 @@ impl<'a> Frame<'a> {
 
     /// All contacts as [`Frame::side`] sees them.
     pub fn sides(&self, contacts: &Contacts) -> Result<Vec<Contact>, FieldsError> {
-        let count = self.len();
-        let mut sides = Vec::with_capacity(contacts.len());
-        for (index, contact) in contacts.iter().enumerate() {
-            let other = match contact.partner {
-                Partner::Particle(other) => other,
-                Partner::Wall(_) => contact.particle,
-            };
-            let particle = contact.particle.max(other);
-            if particle as usize >= count {
-                let unknown =
-                    fieldstone_particles::ParticlesError::UnknownParticle { index, particle, particle_count: count };
-                return Err(FieldsError::Particles(unknown));
-            }
-            sides.extend(self.side(contact));
-        }
-        Ok(sides)
+        check_partners(contacts, self.len())?;
+        Ok(contacts.iter().filter_map(|contact| self.side(contact)).collect())
     }
 }
 

@@ -23,7 +23,7 @@ use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, NeumaierSum};
 
-use crate::periodic::Periods;
+use crate::periodic::{Periods, longest_branch};
 use derive::Densities;
 pub use fields::{CoarseGrainingLedger, Field, Fields, component_names};
 use frame::Frame;
@@ -137,7 +137,8 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     ///
     /// # Errors
     /// Columns that are missing or not finite; contacts missing where a field needs them; a weight that is negative or
-    /// not finite.
+    /// not finite; particles, branches or a kernel that reach so far that more than 10⁵ copies of the periodic box would
+    /// have to be gone through.
     pub fn accumulate(
         &mut self,
         particles: &Particles,
@@ -166,7 +167,20 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let periods = |once: bool| {
             Periods::new(domain.as_ref(), cells.averaged().map(|averaged| averaged && once), cells.bounds())
         };
-        periods(false).check()?;
+        match self.options.function {
+            Function::Overlap(_) => periods(false).check_balls(frame.radii)?,
+            Function::Kernel(kernel) => periods(true).check(kernel.reach())?,
+        }
+        let form = self.options.form();
+        let sampled_contacts = form == ContactForm::LineIntegral;
+        if form != ContactForm::ParticleCentred {
+            let half = 0.5 * longest_branch(sides.iter().copied());
+            let around = match self.options.function {
+                Function::Kernel(kernel) if sampled_contacts => kernel.reach(),
+                _ => 0.0,
+            };
+            periods(sampled_contacts).check(half + around)?;
+        }
         // A frame of weight 0 has been checked, and adds nothing.
         if weight > 0.0 {
             let by_frame = self.layout.width(Group::Frame) > 0;
@@ -179,8 +193,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             }
             let sampled = matches!(self.options.function, Function::Kernel(_));
             self.add_particles(&frame, &sides, weight, periods(sampled))?;
-            let sampled = self.options.form() == ContactForm::LineIntegral;
-            self.add_contacts(&frame, &sides, weight, &periods(sampled))?;
+            self.add_contacts(&frame, &sides, weight, &periods(sampled_contacts))?;
             self.add_moments(&frame, weight, periods(false))?;
             if let Some(before) = own {
                 self.merge_frame(before);
@@ -242,10 +255,11 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let origin = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
         let mut quantities = particle_quantities(frame, &self.layout, carriers.as_deref(), origin, weight);
         let width = self.layout.width(Group::Particle);
+        let carrier_count = carriers.as_ref().map_or(frame.len(), Vec::len);
         let images = |particle: usize| match &weigher.first_image {
             None => particle..particle + 1,
             Some(first) => {
-                let end = first.get(particle + 1).map_or(quantities_len(&carriers), |&e| e as usize);
+                let end = first.get(particle + 1).map_or(carrier_count, |&e| e as usize);
                 first[particle] as usize..end
             }
         };
@@ -265,7 +279,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         );
         let curve;
         let order = if C::PLACES_IN_MEMORY {
-            curve = crate::weights::along_a_curve(frame.positions);
+            curve = crate::curve::along_a_curve(frame.positions);
             Order::Listed(&curve)
         } else {
             Order::Numbered(frame.len())
@@ -420,10 +434,6 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         };
         Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })
     }
-}
-
-fn quantities_len(carriers: &Option<Vec<(u32, [f64; 3])>>) -> usize {
-    carriers.as_ref().map_or(0, Vec::len)
 }
 
 fn scratch_of<C: Cells>(cells: &C, weights: &ParticleWeights<'_, C>) -> C::Scratch {

@@ -291,7 +291,7 @@ pub(crate) fn compute<C: Cells>(
     options: &SolidFractionOptions,
     timing: &mut Timing,
 ) -> anyhow::Result<Outcome> {
-    let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()));
+    let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()))?;
     let bar = ProgressBar::new(particles.len() as u64).with_style(ProgressStyle::with_template(
         "{bar:30} {percent:>3} %  {human_pos} of {human_len} particles, {eta} left",
     )?);
