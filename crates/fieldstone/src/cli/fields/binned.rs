@@ -12,7 +12,7 @@ use super::account::Account;
 use crate::cli::report;
 
 /// Types that are kept apart: more of them are no species, but numbers of particles.
-const MOST_TYPES: usize = 64;
+pub(super) const MOST_TYPES: usize = 64;
 
 /// What the particles of all frames are like, for messages.
 #[derive(Debug)]

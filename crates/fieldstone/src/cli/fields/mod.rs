@@ -32,6 +32,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::arguments::{Periodic, available_memory};
 use super::{outputs, report};
 use account::{Account, Seen};
+use binned::MOST_TYPES;
 use cells::{CellSet, bytes_per_cell};
 use clock::{Clock, TimeOrder};
 use faces::FaceSums;
@@ -539,9 +540,9 @@ impl<'a> Run<'a> {
         let mut types = self.options.selection.types.clone().unwrap_or_else(|| found.to_vec());
         types.sort_unstable();
         types.dedup();
-        if types.len() > MOST_SPECIES {
+        if types.len() > MOST_TYPES {
             bail!(
-                "--per-species: {}: there are {} types, and each gets fields of its own; name up to {MOST_SPECIES} of them \
+                "--per-species: {}: there are {} types, and each gets fields of its own; name up to {MOST_TYPES} of them \
                  with --species",
                 first.name,
                 types.len()
@@ -598,9 +599,6 @@ impl<'a> Run<'a> {
         lines.collect()
     }
 }
-
-/// Types that may get fields of their own without being named: more of them are no species, but numbers of particles.
-const MOST_SPECIES: usize = 64;
 
 /// What crosses the faces in a frame, with its periodic box.
 type FacesInBox<'a> = dyn Fn(&Frame, Option<&Domain>) -> Result<FaceSums, FieldsError> + Sync + 'a;
