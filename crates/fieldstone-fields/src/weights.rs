@@ -58,7 +58,8 @@ impl Weights {
     /// wherever the cells and the particle lie. Cells that are several periods wide get several images of a ball.
     ///
     /// # Errors
-    /// Particles without radii; a particle that is no ball; a periodic box of which more than 10⁵ copies reach the cells.
+    /// Particles without radii; a particle that is no ball; a radius of more than 20 lengths of a periodic box; such a box
+    /// of which more than 10⁵ copies are within reach of the cells.
     pub fn build<C: Cells>(
         cells: &C,
         particles: &Particles,
