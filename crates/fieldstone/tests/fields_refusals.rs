@@ -168,7 +168,7 @@ fn a_file_of_contacts_that_was_cut_between_two_lines_is_told_with_the_number_of_
 fn a_cut_off_is_refused_for_kernels_that_end_at_their_width() {
     let folder = Folder::new();
     folder.write("one.csv", "x,y,z,radius\n0.5,0.5,0.5,0.2\n");
-    let fields = "fields --particles one.csv --density 1 --fields density --grid 0,0,0,1,1,1 --cells 4 --width 0.5";
+    let fields = "fields --particles one.csv --density 1 --fields density --grid 0,1,0,1,0,1 --cells 4 --width 0.5";
     for function in ["lucy", "heaviside", "linear"] {
         let message = folder.fails(&format!("{fields} --function {function} --cutoff 1 --out one.vti"));
         mentions(&message, &["--cutoff: only a Gaussian has a cut-off", "leave the cut-off out"]);
@@ -195,7 +195,7 @@ fn files_whose_names_have_numbers_in_other_places_are_taken_in_their_order() {
     for name in ["1out.csv", "out.csv"] {
         folder.write(name, "x,y,z,radius\n0.5,0.5,0.5,0.2\n");
     }
-    let line = "fields --particles *out.csv --density 1 --fields density --cells 2 --grid 0,0,0,1,1,1 --out all.pvd";
+    let line = "fields --particles *out.csv --density 1 --fields density --cells 2 --grid 0,1,0,1,0,1 --out all.pvd";
     folder.succeeds(line);
     assert!(folder.path("all_0.vti").is_file() && folder.path("all_1.vti").is_file());
 }

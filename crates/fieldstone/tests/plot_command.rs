@@ -166,7 +166,7 @@ fn six_components_without_names_have_no_magnitude() {
     folder.write("balls.csv", balls);
     folder.succeeds(
         "fields --particles balls.csv --density 1 --fields density --quantity s=s0,s1,s2,s3,s4,s5 \
-         --cells 4 --grid 0,0,0,1,1,1 --out s.vti",
+         --cells 4 --grid 0,1,0,1,0,1 --out s.vti",
     );
     for line in ["plot s.vti --field s", "plot s.vti --field s --component magnitude"] {
         mentions(&folder.fails(line), &["s has six components without names", "choose one of 0, 1, 2, 3, 4, 5"]);
