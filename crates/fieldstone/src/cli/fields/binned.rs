@@ -7,8 +7,8 @@ use fieldstone::fields::{FieldsError, Function};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::Particles;
 
-use super::Run;
 use super::account::Account;
+use super::request::Run;
 use crate::cli::report;
 
 /// Types that are kept apart: more of them are no species, but numbers of particles.
