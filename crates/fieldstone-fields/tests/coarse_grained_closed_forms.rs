@@ -632,20 +632,6 @@ fn a_ball_inside_the_cells_is_not_clipped_where_its_volume_is_averaged_over_neig
 }
 
 #[test]
-fn fields_say_which_of_them_need_angular_velocities() {
-    let grid = whole();
-    let still = Particles::new(vec![[1.0; 3]]).unwrap().with_uniform_radius(0.5).unwrap();
-    let still = still.with_quantity(vectors("velocity", &[[0.0; 3]])).unwrap();
-    let still = still.with_quantity(vectors("displacement", &[[0.0; 3]])).unwrap();
-    for &field in FieldName::ALL {
-        let options = CoarseGrainingOptions { fields: vec![field], ..all(EXACT) };
-        let result = CoarseGraining::new(&grid, options).unwrap().accumulate(&still, Some(&Contacts::new()), 1.0);
-        let missing = result.is_err_and(|error| error.to_string().contains("angular_velocity"));
-        assert_eq!(missing, field.needs_angular_velocity(), "{field}");
-    }
-}
-
-#[test]
 fn fields_have_the_same_bits_for_any_number_of_threads() {
     let grid = Grid::new([-1.0; 3], [5.0, 3.0, 3.0], [30, 20, 20]).unwrap();
     let gauss = Function::Kernel(Kernel::new(KernelShape::Gauss, 0.4, None).unwrap());

@@ -126,11 +126,6 @@ impl FieldName {
         matches!(self, Self::Displacement | Self::DisplacementGradient | Self::StrainIncrement)
     }
 
-    /// Whether the particles need an `angular_velocity` column.
-    pub fn needs_angular_velocity(self) -> bool {
-        matches!(self, Self::AngularMomentum | Self::SpinDensity | Self::AngularVelocity | Self::MomentumWithSpin)
-    }
-
     /// Whether contacts are needed.
     pub fn needs_contacts(self) -> bool {
         use FieldName::*;

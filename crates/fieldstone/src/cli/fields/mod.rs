@@ -20,7 +20,7 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::fields::{FieldsError, UserQuantity};
+use fieldstone::fields::{FieldName, FieldsError, UserQuantity};
 use fieldstone::io::{BackgroundSeries, read_restart};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Domain, Particles};
@@ -120,7 +120,7 @@ impl Run<'_> {
         first.particles.radii().map_err(|e| anyhow!("{}: {e}; give one for all with --radius", first.name))?;
         self.options.quantities = self.quantities(&first)?;
         if self.settings.fields.as_deref() == Some("all") && first.particles.quantity("angular_velocity").is_err() {
-            self.options.fields.retain(|field| !field.needs_angular_velocity());
+            self.options.fields.retain(|field| !needs_spin(*field));
         }
         self.species = self.species(&first)?;
         let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
@@ -354,4 +354,9 @@ struct Job<'a> {
     series: &'a mut BackgroundSeries,
     source: Source<'a>,
     over_time: OverTime,
+}
+
+/// Whether a field is of spins, and says little of particles without them.
+fn needs_spin(field: FieldName) -> bool {
+    matches!(field, FieldName::AngularMomentum | FieldName::SpinDensity | FieldName::AngularVelocity)
 }
