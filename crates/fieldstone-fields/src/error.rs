@@ -46,12 +46,13 @@ pub enum FieldsError {
         /// Shortest periodic length of the box.
         length: f64,
     },
-    /// The cells are so much larger than the periodic box that its copies in them are too many to go through.
+    /// The cells, or the reach of particles, kernels and branches around them, are so much larger than the periodic box
+    /// that its copies there are too many to go through.
     #[error(
-        "{copies:.1e} copies of the periodic box reach the cells, and at most 1e5 are gone through; check units, or switch the images off (--periodic none)"
+        "{copies:.1e} copies of the periodic box are within reach of the cells, and at most 1e5 are gone through; check units (and the width of a kernel), or switch the images off (--periodic none)"
     )]
     BoxCopies {
-        /// Copies that reach the cells.
+        /// Copies within reach of the cells.
         copies: f64,
     },
     /// A method's name is not known.

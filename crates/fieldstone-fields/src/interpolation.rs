@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::weights::check_length;
+use crate::checks::check_length;
 use crate::{Field, FieldsError, Weights};
 
 /// For each particle the mean of a field over the whole particle, the field being 0 outside the cells, component by component.

@@ -9,7 +9,9 @@
 //! the balances of momentum and solid volume of each.
 
 mod binning;
+mod checks;
 mod coarse_graining;
+mod curve;
 mod erf;
 mod error;
 mod face_fields;
@@ -27,7 +29,7 @@ mod weights;
 
 pub use coarse_graining::{
     CoarseGraining, CoarseGrainingLedger, CoarseGrainingOptions, ContactForm, Field, FieldName, Fields, Function,
-    MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, displacements,
+    MeanVelocity, QuantityKind, Selection, SignConvention, UserQuantity, component_names, displacements,
 };
 pub use error::FieldsError;
 pub use face_fields::{ContactTraction, SolidFlux, contact_traction, solid_flux};

@@ -1,11 +1,14 @@
 //! Periodic images that reach a set of cells.
 
-use fieldstone_particles::Domain;
+use fieldstone_particles::{Contact, Domain};
 
 use crate::FieldsError;
 
 /// Copies of the box that may reach the cells: with more of them the units must be wrong, and no run would end.
 const MOST_COPIES: f64 = 1e5;
+
+/// Radius over the length of a periodic box beyond which units must be wrong, and images too many to count.
+const MOST_IMAGES: f64 = 20.0;
 
 /// The shifts by whole periods that bring something into a box of interest.
 ///
@@ -30,11 +33,22 @@ impl Periods {
         self.vectors.iter().any(Option::is_some)
     }
 
-    /// Refuses a box that is so much smaller than the cells that its copies are too many to go through.
-    pub fn check(&self) -> Result<(), FieldsError> {
-        let along = |k: usize| self.vectors[k].map_or(1.0, |vector| (self.high[k] - self.low[k]) / vector[k] + 1.0);
+    /// Refuses a box that is so much smaller than the cells, and what is within `reach` of them, that its copies are too
+    /// many to go through.
+    pub fn check(&self, reach: f64) -> Result<(), FieldsError> {
+        let extent = |k: usize| self.high[k] - self.low[k] + 2.0 * reach;
+        let along = |k: usize| self.vectors[k].map_or(1.0, |vector| extent(k) / vector[k] + 1.0);
         let copies = (0..3).map(along).product();
-        if copies > MOST_COPIES { Err(FieldsError::BoxCopies { copies }) } else { Ok(()) }
+        if copies <= MOST_COPIES { Ok(()) } else { Err(FieldsError::BoxCopies { copies }) }
+    }
+
+    /// As [`Periods::check`] for balls of these radii; one that dwarfs the box is named.
+    pub fn check_balls(&self, radii: &[f64]) -> Result<(), FieldsError> {
+        let length = (0..3).filter_map(|k| self.vectors[k].map(|vector| vector[k])).fold(f64::INFINITY, f64::min);
+        if let Some(particle) = radii.iter().position(|&r| r > MOST_IMAGES * length) {
+            return Err(FieldsError::RadiusBox { particle, radius: radii[particle], length });
+        }
+        self.check(radii.iter().copied().fold(0.0, f64::max))
     }
 
     /// Calls `visit` with every image of a point that lies in the cells' box, in a fixed order.
@@ -100,6 +114,11 @@ impl Periods {
         }
         shifts.into_iter().for_each(visit);
     }
+}
+
+/// The longest extent of a branch along an axis: its images reach half of it beyond their middles.
+pub(crate) fn longest_branch(contacts: impl Iterator<Item = Contact>) -> f64 {
+    contacts.flat_map(|contact| contact.branch).fold(0.0, |longest, x| longest.max(x.abs()))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use fieldstone_mesh::Cells;
 use fieldstone_particles::Domain;
 
 use crate::FieldsError;
-use crate::weights::check_length;
+use crate::checks::check_length;
 
 /// Steps beyond which a smoothing length is refused.
 const MOST_STEPS: f64 = 20_000.0;

@@ -4,8 +4,8 @@ use fieldstone_mesh::Cells;
 use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
+use crate::checks::check_length;
 use crate::periodic::Periods;
-use crate::weights::check_length;
 use crate::{FieldsError, Ledger, Method, NeumaierSum, Weights, smooth_conservatively};
 
 /// Options of [`solid_fraction`]. The default is exact, without weights, smoothing or cap.
@@ -158,13 +158,27 @@ pub fn solid_fraction_observed<C: Cells>(
 ///
 /// With a `domain`, every periodic image of a centre that lies in a cell counts, wherever the cells lie: in cells as wide
 /// as the period each particle counts once, and once more for each further period that they span.
-pub fn count_centres<C: Cells>(cells: &C, particles: &Particles, domain: Option<&Domain>) -> Vec<u32> {
+///
+/// # Errors
+/// [`FieldsError::BoxCopies`] for a periodic box of which more than 10⁵ copies reach the cells.
+///
+/// ```
+/// use fieldstone_fields::count_centres;
+/// use fieldstone_mesh::Grid;
+/// use fieldstone_particles::Particles;
+/// let grid = Grid::new([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1])?;
+/// let three = Particles::new(vec![[0.5; 3], [1.5, 0.5, 0.5], [1.7, 0.5, 0.5]])?;
+/// assert_eq!(count_centres(&grid, &three, None)?, [1, 2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn count_centres<C: Cells>(
+    cells: &C,
+    particles: &Particles,
+    domain: Option<&Domain>,
+) -> Result<Vec<u32>, FieldsError> {
     let periods = Periods::new(domain, [false; 3], cells.bounds());
     let mut counts = vec![0; cells.cell_count()];
-    // So many copies of the box that solid_fraction refuses them: nothing is counted, since it would not end.
-    if periods.check().is_err() {
-        return counts;
-    }
+    periods.check(0.0)?;
     let homes: Vec<Vec<u32>> = particles
         .positions()
         .par_chunks(1024)
@@ -182,7 +196,7 @@ pub fn count_centres<C: Cells>(cells: &C, particles: &Particles, domain: Option<
     for cell in homes.into_iter().flatten() {
         counts[cell as usize] += 1;
     }
-    counts
+    Ok(counts)
 }
 
 fn nothing_inside<C: Cells>(cells: &C, particles: &Particles) -> FieldsError {

@@ -6,15 +6,14 @@ use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
 use crate::binning::Binning;
+use crate::checks::{check_length, check_radii};
+use crate::curve::along_a_curve;
 use crate::periodic::Periods;
 use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, Method};
 
 /// Particles handled by one task: large enough to hide its cost, small enough to balance.
 const BLOCK: usize = 128;
-
-/// Radius over the length of a periodic box beyond which units must be wrong, and images too many to count.
-const MOST_IMAGES: f64 = 20.0;
 
 /// Sparse matrix of volumes $V_{c \cap i}$: one row per particle, sorted by cell.
 ///
@@ -59,7 +58,8 @@ impl Weights {
     /// wherever the cells and the particle lie. Cells that are several periods wide get several images of a ball.
     ///
     /// # Errors
-    /// Particles without radii; a particle that is no ball; a periodic box of which more than 10⁵ copies reach the cells.
+    /// Particles without radii; a particle that is no ball; a radius of more than 20 lengths of a periodic box; such a box
+    /// of which more than 10⁵ copies are within reach of the cells.
     pub fn build<C: Cells>(
         cells: &C,
         particles: &Particles,
@@ -81,21 +81,10 @@ impl Weights {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Self, FieldsError> {
         let radii = particles.radii()?;
+        check_radii(radii)?;
         let positions = particles.positions();
-        // The cube of a smaller one is 0, that of a larger one or a sum of them infinite. All are looked at before any
-        // is binned, so that it is always the first one that is named.
-        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
-            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
-        }
-        if let Some(domain) = domain {
-            let shortest =
-                (0..3).filter(|&k| domain.periodic()[k]).map(|k| domain.heights()[k]).fold(f64::INFINITY, f64::min);
-            if let Some(particle) = radii.iter().position(|&r| r > MOST_IMAGES * shortest) {
-                return Err(FieldsError::RadiusBox { particle, radius: radii[particle], length: shortest });
-            }
-        }
         let periods = Periods::new(domain, [false; 3], cells.bounds());
-        periods.check()?;
+        periods.check_balls(radii)?;
         let binning = Binning::new(cells, method)?;
         let order = if C::PLACES_IN_MEMORY { along_a_curve(positions) } else { (0..positions.len()).collect() };
         let blocks: Vec<Block> = order
@@ -115,18 +104,25 @@ impl Weights {
                 },
             )
             .collect::<Result<_, _>>()?;
+        Ok(Self::gather(&order, &blocks, cells.cell_count()))
+    }
 
-        // Back into the order of the particles: first the length of each row, then what is in it.
-        let mut ends = vec![0; positions.len()];
+    /// Brings the rows of blocks back from the order in which particles were binned into that of the particles.
+    fn gather(order: &[usize], blocks: &[Block], cell_count: usize) -> Self {
+        let count = order.len();
+        let (mut ends, mut rows) = (vec![0; count], vec![(0u32, 0u32); count]);
+        let (mut balls, mut outside) = (vec![0.0; count], vec![0.0; count]);
         let mut paths = PathCounts::default();
-        let (mut balls, mut outside) = (vec![0.0; positions.len()], vec![0.0; positions.len()]);
-        for (particles, block) in order.chunks(BLOCK).zip(&blocks) {
+        for (index, (particles, block)) in order.chunks(BLOCK).zip(blocks).enumerate() {
             paths.evaluated += block.paths.evaluated;
             paths.beyond_f64 += block.paths.beyond_f64;
+            let mut start = 0;
             for (k, &particle) in particles.iter().enumerate() {
                 ends[particle] = block.counts[k];
                 balls[particle] = block.balls[k];
                 outside[particle] = block.outside[k];
+                rows[particle] = (index as u32, start);
+                start += block.counts[k] as u32;
             }
         }
         let mut end = 0;
@@ -134,39 +130,8 @@ impl Weights {
             end += *entry;
             *entry = end;
         }
-        let mut rows = vec![(0u32, 0u32); positions.len()];
-        for (index, (particles, block)) in order.chunks(BLOCK).zip(&blocks).enumerate() {
-            let mut start = 0;
-            for (&particle, &count) in particles.iter().zip(&block.counts) {
-                rows[particle] = (index as u32, start);
-                start += count as u32;
-            }
-        }
-        let (mut all_cells, mut volumes) = (vec![0; end], vec![0.0; end]);
-        // Rows are copied to where they belong in parallel: each task has its own part of the result.
-        let mut parts = Vec::with_capacity(blocks.len());
-        let (mut cells_left, mut volumes_left) = (&mut all_cells[..], &mut volumes[..]);
-        let mut start = 0;
-        for ends in ends.chunks(BLOCK) {
-            let stop = ends[ends.len() - 1];
-            let (cells, more_cells) = cells_left.split_at_mut(stop - start);
-            let (volumes, more_volumes) = volumes_left.split_at_mut(stop - start);
-            (cells_left, volumes_left) = (more_cells, more_volumes);
-            parts.push((start, ends, cells, volumes));
-            start = stop;
-        }
-        parts.into_par_iter().zip(rows.par_chunks(BLOCK)).for_each(|((start, ends, cells, volumes), rows)| {
-            let mut from = 0;
-            for (&end, &(block, first)) in ends.iter().zip(rows) {
-                let to = end - start;
-                let row = &blocks[block as usize].pairs[first as usize..][..to - from];
-                for ((cell, volume), pair) in cells[from..to].iter_mut().zip(&mut volumes[from..to]).zip(row) {
-                    (*cell, *volume) = *pair;
-                }
-                from = to;
-            }
-        });
-        Ok(Self { ends, cells: all_cells, volumes, balls, outside, cell_count: cells.cell_count(), paths })
+        let (cells, volumes) = copy_rows(blocks, &rows, &ends);
+        Self { ends, cells, volumes, balls, outside, cell_count, paths }
     }
 
     /// Number of particles (rows).
@@ -244,45 +209,34 @@ impl Weights {
     }
 }
 
-pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), FieldsError> {
-    if found == expected { Ok(()) } else { Err(FieldsError::Length { what, found, expected }) }
-}
-
-/// The particles in an order in which neighbours in the list are neighbours in space.
-///
-/// A simulation lists them in any order. The cells and faces around a ball are some kilobytes, and a mesh of any size
-/// is beyond the caches: in the order of the list every ball would wait for memory.
-///
-/// The order is Morton's curve through 1024³ boxes around all particles, equal boxes by number.
-pub(crate) fn along_a_curve(positions: &[[f64; 3]]) -> Vec<usize> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in positions {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
-        }
+/// Cells and volumes of all rows, one after the other; `rows` says in which block each stands, and from where on.
+fn copy_rows(blocks: &[Block], rows: &[(u32, u32)], ends: &[usize]) -> (Vec<u32>, Vec<f64>) {
+    let count = ends.last().copied().unwrap_or(0);
+    let (mut all_cells, mut all_volumes) = (vec![0; count], vec![0.0; count]);
+    // In parallel: each task has its own part of the result.
+    let mut parts = Vec::with_capacity(ends.len().div_ceil(BLOCK));
+    let (mut cells_left, mut volumes_left) = (&mut all_cells[..], &mut all_volumes[..]);
+    let mut start = 0;
+    for ends in ends.chunks(BLOCK) {
+        let stop = ends[ends.len() - 1];
+        let (cells, more_cells) = cells_left.split_at_mut(stop - start);
+        let (volumes, more_volumes) = volumes_left.split_at_mut(stop - start);
+        (cells_left, volumes_left) = (more_cells, more_volumes);
+        parts.push((start, ends, cells, volumes));
+        start = stop;
     }
-    // Boxes are cubes: a flat layer of particles is walked as a layer.
-    let extent = (0..3).map(|k| high[k] - low[k]).fold(f64::MIN_POSITIVE, f64::max);
-    let mut keyed: Vec<(u32, usize)> = positions
-        .par_iter()
-        .enumerate()
-        .map(|(particle, p)| {
-            let key = (0..3).fold(0, |key, k| key | spread_bits(((p[k] - low[k]) / extent * 1023.0) as u32) << k);
-            (key, particle)
-        })
-        .collect();
-    keyed.par_sort_unstable();
-    keyed.into_iter().map(|(_, particle)| particle).collect()
-}
-
-/// The lowest ten bits, two zeros between each and the next.
-fn spread_bits(x: u32) -> u32 {
-    let x = x.min(1023);
-    let x = (x | x << 16) & 0x0300_00ff;
-    let x = (x | x << 8) & 0x0300_f00f;
-    let x = (x | x << 4) & 0x030c_30c3;
-    (x | x << 2) & 0x0924_9249
+    parts.into_par_iter().zip(rows.par_chunks(BLOCK)).for_each(|((start, ends, cells, volumes), rows)| {
+        let mut from = 0;
+        for (&end, &(block, first)) in ends.iter().zip(rows) {
+            let to = end - start;
+            let row = &blocks[block as usize].pairs[first as usize..][..to - from];
+            for ((cell, volume), pair) in cells[from..to].iter_mut().zip(&mut volumes[from..to]).zip(row) {
+                (*cell, *volume) = *pair;
+            }
+            from = to;
+        }
+    });
+    (all_cells, all_volumes)
 }
 
 fn bin_block<C: Cells>(
@@ -385,17 +339,5 @@ mod tests {
             assert_eq!(forward.particle_volumes()[particle], reversed.particle_volumes()[499 - particle]);
             assert_eq!(forward.outside()[particle], reversed.outside()[499 - particle]);
         }
-    }
-
-    #[test]
-    fn the_curve_visits_every_particle_once_also_in_a_plane_or_at_one_point() {
-        for spread in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0; 3]] {
-            let positions: Vec<[f64; 3]> =
-                (0..1000).map(|i| [0, 1, 2].map(|k| spread[k] * f64::from(i * (2 * k as i32 + 7) % 101))).collect();
-            let mut order = along_a_curve(&positions);
-            order.sort_unstable();
-            assert_eq!(order, (0..1000).collect::<Vec<_>>());
-        }
-        assert!(along_a_curve(&[]).is_empty());
     }
 }

@@ -569,6 +569,69 @@ fn what_is_missing_is_said() {
 }
 
 #[test]
+fn a_density_for_all_particles_stands_in_place_of_their_own_masses() {
+    let own = |name: &str| {
+        let column = Quantity { name: name.into(), components: 1, data: vec![100.0, 200.0] };
+        run(&whole(), some(EXACT), &two().with_quantity(column).unwrap(), &touching())
+    };
+    let volumes = 4.0 / 3.0 * PI * (0.125 + 1.0);
+    for name in ["mass", "density"] {
+        assert_field(&own(name), "density", 0, &[DENSITY * volumes / 16.0]);
+    }
+}
+
+#[test]
+fn what_reaches_too_far_around_a_periodic_box_is_refused() {
+    let grid = Grid::new([0.0; 3], [1.0; 3], [2; 3]).unwrap();
+    let domain = Domain::new([0.0; 3], [1.0; 3], [true; 3]).unwrap();
+    let one = |radius: f64| {
+        let one = Particles::new(vec![[0.5; 3]]).unwrap().with_uniform_radius(radius).unwrap();
+        one.with_quantity(vectors("velocity", &[[0.0; 3]])).unwrap()
+    };
+    let refused = |options: CoarseGrainingOptions, radius: f64, contacts: &Contacts| {
+        let options = CoarseGrainingOptions { domain: Some(domain), ..options };
+        CoarseGraining::new(&grid, options).unwrap().accumulate(&one(radius), Some(contacts), 1.0).unwrap_err()
+    };
+    let none = Contacts::new();
+    let error = refused(some(EXACT), 2000.0, &none);
+    assert!(matches!(error, FieldsError::RadiusBox { particle: 0, radius: 2000.0, length: 1.0 }), "{error}");
+    let gauss = Function::Kernel(Kernel::new(KernelShape::Gauss, 300.0, None).unwrap());
+    let error = refused(some(gauss), 0.1, &none);
+    let copies = 1802f64.powi(3);
+    assert!(
+        matches!(error, FieldsError::BoxCopies { copies: found } if (found / copies - 1.0).abs() < 1e-12),
+        "{error}"
+    );
+    // A branch of many periods, with either form that follows it.
+    let mut far = Contacts::new();
+    let branch = [1e5, 1e5, 1e5];
+    let contact = Contact { particle: 0, partner: Partner::Wall(0), force: [1.0; 3], arm: branch, branch };
+    far.push(1, contact).unwrap();
+    let lucy = Function::Kernel(Kernel::new(KernelShape::Lucy, 0.5, None).unwrap());
+    let in_cell = CoarseGrainingOptions { contact_form: Some(ContactForm::BranchInCell), ..some(EXACT) };
+    for options in [in_cell, some(lucy)] {
+        let error = refused(options, 0.1, &far);
+        assert!(matches!(error, FieldsError::BoxCopies { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_ball_inside_the_cells_is_not_clipped_where_its_volume_is_averaged_over_neighbours() {
+    // Cells at the boundary have fewer neighbours, so the sum over cells is not the ball's volume.
+    let grid = Grid::new([0.0; 3], [4.0; 3], [4; 3]).unwrap();
+    let method = Function::Overlap(Method::CentreSmoothed);
+    let options = CoarseGrainingOptions { fields: vec![FieldName::Density], ..all(method) };
+    let at = |x: f64| Particles::new(vec![[x, 0.5, 0.5]]).unwrap().with_uniform_radius(0.4).unwrap();
+    let ledger = run(&grid, options.clone(), &at(0.5), &Contacts::new()).ledger;
+    assert!((ledger.mass_binned / ledger.mass_in - 1.0).abs() > 0.05, "{ledger:?}");
+    assert_eq!(ledger.mass_clipped, 0.0);
+    let mut grains = CoarseGraining::new(&grid, options).unwrap();
+    grains.accumulate(&at(-0.1), Some(&Contacts::new()), 1.0).unwrap();
+    let ledger = grains.finish().unwrap().ledger;
+    assert_eq!(ledger.mass_clipped, ledger.mass_in);
+}
+
+#[test]
 fn fields_have_the_same_bits_for_any_number_of_threads() {
     let grid = Grid::new([-1.0; 3], [5.0, 3.0, 3.0], [30, 20, 20]).unwrap();
     let gauss = Function::Kernel(Kernel::new(KernelShape::Gauss, 0.4, None).unwrap());

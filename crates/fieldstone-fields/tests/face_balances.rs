@@ -3,7 +3,7 @@
 
 mod support;
 
-use fieldstone_fields::{contact_traction, solid_flux};
+use fieldstone_fields::{FieldsError, contact_traction, solid_flux};
 use fieldstone_geometry::{Ball, CornerOrder, Orientation, Polyhedron, overlap};
 use fieldstone_mesh::{Cells, Faces, Grid, Mesh};
 use fieldstone_particles::{Domain, Particles};
@@ -15,7 +15,7 @@ fn grid_of(case: &Case, cells: [usize; 3]) -> Grid {
 
 #[test]
 fn contact_tractions_close_the_momentum_balance_of_every_cell() {
-    for case in [support::mercury_box(), support::liggghts_chute(), support::lammps_pack()].into_iter().flatten() {
+    for case in support::cases() {
         for cells in [[1; 3], [7, 9, 11], [40, 40, 60]] {
             let grid = grid_of(&case, cells);
             let traction = contact_traction(&grid, &case.particles, &case.contacts, Some(&case.domain)).unwrap();
@@ -29,7 +29,7 @@ fn contact_tractions_close_the_momentum_balance_of_every_cell() {
 
 #[test]
 fn solid_fluxes_are_the_rate_at_which_the_overlap_of_each_cell_grows() {
-    for case in [support::mercury_box(), support::liggghts_chute(), support::lammps_pack()].into_iter().flatten() {
+    for case in support::cases() {
         let grid = grid_of(&case, [7, 9, 11]);
         let flux = solid_flux(&grid, &case.particles, Some(&case.domain)).unwrap();
         // The gradient of the overlap with each cell as a polyhedron of its own.
@@ -101,6 +101,38 @@ fn both_balances_hold_on_an_unstructured_mesh() {
         .fold(0.0, f64::max);
     println!("| packed-cylinder on gmfoam | mass | {worst:.1e} |");
     assert!(worst < 1e-12, "{worst:e}");
+}
+
+#[test]
+fn a_periodic_box_much_smaller_than_the_cells_is_refused_at_faces_too() {
+    let domain = Domain::new([0.0; 3], [1e-3; 3], [true; 3]).unwrap();
+    let grid = Grid::new([0.0; 3], [1.0; 3], [1; 3]).unwrap();
+    let velocity = fieldstone_particles::Quantity { name: "velocity".into(), components: 3, data: vec![1.0; 6] };
+    let two = Particles::new(vec![[2e-4; 3], [4e-4, 2e-4, 2e-4]]).unwrap().with_quantity(velocity).unwrap();
+    let mut contacts = fieldstone_particles::Contacts::new();
+    let partner = fieldstone_particles::Partner::Particle(1);
+    let (arm, branch) = ([1e-4, 0.0, 0.0], [2e-4, 0.0, 0.0]);
+    contacts
+        .push(2, fieldstone_particles::Contact { particle: 0, partner, force: [-1.0, 0.0, 0.0], arm, branch })
+        .unwrap();
+    let error = contact_traction(&grid, &two, &contacts, Some(&domain)).unwrap_err();
+    assert!(matches!(error, FieldsError::BoxCopies { .. }), "{error}");
+    let balls = two.clone().with_uniform_radius(1e-4).unwrap();
+    let error = solid_flux(&grid, &balls, Some(&domain)).unwrap_err();
+    assert!(matches!(error, FieldsError::BoxCopies { .. }), "{error}");
+    let giants = two.with_uniform_radius(2.0).unwrap();
+    let error = solid_flux(&grid, &giants, Some(&domain)).unwrap_err();
+    assert!(matches!(error, FieldsError::RadiusBox { particle: 0, .. }), "{error}");
+}
+
+#[test]
+fn a_velocity_that_is_not_finite_is_named_and_does_not_become_a_flux() {
+    let grid = Grid::new([0.0; 3], [1.0; 3], [2; 3]).unwrap();
+    let data = vec![1.0, 0.0, 0.0, 0.0, f64::NAN, 0.0];
+    let velocity = fieldstone_particles::Quantity { name: "velocity".into(), components: 3, data };
+    let two = Particles::new(vec![[0.3; 3], [0.7; 3]]).unwrap().with_uniform_radius(0.1).unwrap();
+    let message = solid_flux(&grid, &two.with_quantity(velocity).unwrap(), None).unwrap_err().to_string();
+    assert!(message.contains("particle 1 has velocity = NaN"), "{message}");
 }
 
 #[test]

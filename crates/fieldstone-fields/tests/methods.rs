@@ -230,7 +230,7 @@ fn centres_are_counted_once_even_on_common_faces() {
     let grid = Grid::new([0.0; 3], [1.0; 3], [2; 3]).unwrap();
     let points = vec![[0.5; 3], [0.5, 0.2, 0.2], [0.0; 3], [1.0; 3], [2.0; 3]];
     let particles = Particles::new(points).unwrap();
-    assert_eq!(count_centres(&grid, &particles, None).iter().sum::<u32>(), 4);
+    assert_eq!(count_centres(&grid, &particles, None).unwrap().iter().sum::<u32>(), 4);
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn a_kernel_on_a_ring_is_the_mean_around_it() {
     let density = grains.finish().unwrap().fields.remove(0);
     for i in 0..5 {
         let s = 0.2 * i as f64 + 0.1;
-        let expected = mass * kernel.in_dimensions(2).value(s * s) / 5.0;
+        let expected = mass * kernel.in_dimensions(2).unwrap().value(s * s) / 5.0;
         assert!((density.cell(i)[0] - expected).abs() < 1e-15, "{i}");
     }
     assert_eq!(shells.averaged(), [false, false, true]);

@@ -163,3 +163,39 @@ fn a_file_of_contacts_that_was_cut_between_two_lines_is_told_with_the_number_of_
     let told = folder.succeeds(&format!("{MERCURY} --out o.vti")).stderr;
     mentions(&told, &["1 of 2 pairs are listed from one side only", "cut or damaged", "leave this frame out"]);
 }
+
+#[test]
+fn a_cut_off_is_refused_for_kernels_that_end_at_their_width() {
+    let folder = Folder::new();
+    folder.write("one.csv", "x,y,z,radius\n0.5,0.5,0.5,0.2\n");
+    let fields = "fields --particles one.csv --density 1 --fields density --grid 0,1,0,1,0,1 --cells 4 --width 0.5";
+    for function in ["lucy", "heaviside", "linear"] {
+        let message = folder.fails(&format!("{fields} --function {function} --cutoff 1 --out one.vti"));
+        mentions(&message, &["--cutoff: only a Gaussian has a cut-off", "leave the cut-off out"]);
+    }
+    folder.succeeds(&format!("{fields} --function gauss --cutoff 1 --out one.vti"));
+}
+
+#[test]
+fn a_kernel_or_radius_that_dwarfs_the_periodic_box_is_refused_with_its_file() {
+    let folder = Folder::new();
+    folder.write("one.csv", "x,y,z,radius\n0.5,0.5,0.5,0.2\n");
+    let fields = "fields --particles one.csv --density 1 --fields density --box 0,1,0,1,0,1 --periodic xyz --cells 2";
+    for (options, parts) in [
+        ("--radius 2000", ["one.csv, frame 0: particle 0 has radius 2000", "only 1 long"]),
+        ("--function gauss --width 300", ["copies of the periodic box are within reach", "the width of a kernel"]),
+    ] {
+        mentions(&folder.fails(&format!("{fields} {options} --out one.vti")), &parts);
+    }
+}
+
+#[test]
+fn files_whose_names_have_numbers_in_other_places_are_taken_in_their_order() {
+    let folder = Folder::new();
+    for name in ["1out.csv", "out.csv"] {
+        folder.write(name, "x,y,z,radius\n0.5,0.5,0.5,0.2\n");
+    }
+    let line = "fields --particles *out.csv --density 1 --fields density --cells 2 --grid 0,1,0,1,0,1 --out all.pvd";
+    folder.succeeds(line);
+    assert!(folder.path("all_0.vti").is_file() && folder.path("all_1.vti").is_file());
+}

@@ -236,3 +236,17 @@ fn frames_that_a_pvd_lists_have_its_times() {
     let density = vtk::read_vtk(&found[0].1).unwrap().array("density").unwrap().values.to_f64();
     assert!((density[1] - 2.0).abs() < 1e-12 && density[0] < 1e-20, "{density:?}");
 }
+
+#[test]
+fn a_series_that_cannot_be_written_as_a_whole_leaves_what_was_there_before() {
+    let folder = mercury();
+    folder.write("all_0.vti", "before");
+    std::fs::create_dir(folder.path("all_1.vti")).unwrap();
+    mentions(&folder.fails(&format!("{MERCURY} --out all.pvd")), &["all_1.vti: there is a folder of this name"]);
+    assert_eq!(std::fs::read_to_string(folder.path("all_0.vti")).unwrap(), "before");
+    assert!(!folder.path("all.pvd").exists());
+    std::fs::remove_dir(folder.path("all_1.vti")).unwrap();
+    folder.succeeds(&format!("{MERCURY} --out all.pvd"));
+    assert_eq!(vtk::read_pvd(&folder.path("all.pvd")).unwrap().len(), 2);
+    assert_ne!(std::fs::read_to_string(folder.path("all_0.vti")).unwrap_or_default(), "before");
+}

@@ -143,3 +143,34 @@ fn compressed_results_are_plotted_and_told_about_as_plain_ones() {
     assert!(folder.path("g_density.png").is_file());
     mentions(&folder.fails("plot part.dump.gz --field density"), &["part.dump.gz: give a .vti"]);
 }
+
+#[test]
+fn a_species_profile_is_a_mean_by_the_mass_of_that_species() {
+    let folder = Folder::new();
+    // One row of two cells over x: all of the first species in the first cell, the second one in both.
+    let names = "x,y,z,cell_volume,density,density_species_1,density_species_2,velocity_species_1_x,velocity_species_1_y,\
+                 velocity_species_1_z,velocity_species_2_x,velocity_species_2_y,velocity_species_2_z\n";
+    folder.write("two.csv", format!("{names}0.5,0.5,0.5,1,4,3,1,5,0,0,8,0,0\n1.5,0.5,0.5,1,3,0,3,0,0,0,4,0,0\n"));
+    for (field, by) in [("velocity_species_1", "mass"), ("velocity_species_2", "mass"), ("density_species_1", "volume")]
+    {
+        folder.succeeds(&format!("plot two.csv --field {field} --profile z --out two.svg"));
+        let text = std::fs::read_to_string(folder.path("two.svg")).unwrap();
+        mentions(&text, &[&format!("{}, mean by {by}", field.replace('_', " "))]);
+    }
+}
+
+#[test]
+fn six_components_without_names_have_no_magnitude() {
+    let folder = Folder::new();
+    let balls = "x,y,z,radius,s0,s1,s2,s3,s4,s5\n0.5,0.5,0.5,0.4,1,2,3,4,5,6\n";
+    folder.write("balls.csv", balls);
+    folder.succeeds(
+        "fields --particles balls.csv --density 1 --fields density --quantity s=s0,s1,s2,s3,s4,s5 \
+         --cells 4 --grid 0,1,0,1,0,1 --out s.vti",
+    );
+    for line in ["plot s.vti --field s", "plot s.vti --field s --component magnitude"] {
+        mentions(&folder.fails(line), &["s has six components without names", "choose one of 0, 1, 2, 3, 4, 5"]);
+    }
+    mentions(&folder.fails("plot s.vti --field s --component xy"), &["there are 0, 1, 2, 3, 4, 5\n"]);
+    folder.succeeds("plot s.vti --field s --component 3 --out s.png");
+}

@@ -3,7 +3,7 @@
 use fieldstone_mesh::Cells;
 use rayon::prelude::*;
 
-use super::fields::Field;
+use super::fields::{Field, component_names};
 use super::layout::{Column, GROUPS, Group, Layout, Slot};
 use super::names::FieldName;
 use super::options::{QuantityKind, SignConvention, UserQuantity};
@@ -222,7 +222,7 @@ impl<C: Cells> Densities<'_, C> {
             let width = quantity.columns.len();
             Field {
                 name: quantity.name.clone(),
-                components: components_of(&quantity.columns),
+                components: component_names(quantity.columns.len()),
                 unit: if quantity.kind == QuantityKind::Sum { "quantity/length³" } else { "quantity" }.into(),
                 data: vec![0.0; count * width],
             }
@@ -279,18 +279,6 @@ fn each<const N: usize>(out: &mut [f64], value: impl Fn(usize) -> [f64; N]) {
     for (cell, out) in out.chunks_exact_mut(N).enumerate() {
         out.copy_from_slice(&value(cell));
     }
-}
-
-/// Names of a quantity's components: the axes where they make a vector or a square tensor, else numbers. Programs differ
-/// in the order of a symmetric tensor's six.
-fn components_of(columns: &[String]) -> Vec<String> {
-    let axes: &[&str] = match columns.len() {
-        1 => &[""],
-        3 => &["x", "y", "z"],
-        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
-        count => return (0..count).map(|k| k.to_string()).collect(),
-    };
-    axes.iter().map(|name| (*name).into()).collect()
 }
 
 /// ρ u⊗u from density and momentum.

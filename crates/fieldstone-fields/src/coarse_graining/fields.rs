@@ -23,6 +23,24 @@ impl Field {
     }
 }
 
+/// Names of so many components that nothing else is known of: the axes where they make a vector or a square tensor, else
+/// numbers from 0, and one empty name for a scalar. Programs differ in the order of a symmetric tensor's six.
+///
+/// ```
+/// use fieldstone_fields::component_names;
+/// assert_eq!(component_names(3), ["x", "y", "z"]);
+/// assert_eq!(component_names(6), ["0", "1", "2", "3", "4", "5"]);
+/// ```
+pub fn component_names(count: usize) -> Vec<String> {
+    let axes: &[&str] = match count {
+        1 => &[""],
+        3 => &["x", "y", "z"],
+        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+        _ => return (0..count).map(|k| k.to_string()).collect(),
+    };
+    axes.iter().map(|name| (*name).into()).collect()
+}
+
 /// Fields of a frame, or averaged over several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fields {

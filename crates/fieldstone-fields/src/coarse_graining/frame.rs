@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::layout::{Column, Layout};
 use super::options::{CoarseGrainingOptions, QuantityKind, Selection, component_of};
 use crate::FieldsError;
+use crate::checks::{check_finite, check_partners, check_radii, column};
 
 /// Columns of which each has one number per particle, this far apart.
 type Strided<'a> = Vec<(&'a [f64], usize)>;
@@ -34,9 +35,7 @@ impl<'a> Frame<'a> {
     ) -> Result<Self, FieldsError> {
         use Column::*;
         let radii = particles.radii()?;
-        if let Some(particle) = radii.iter().position(|r| !(1e-100..=1e100).contains(r)) {
-            return Err(FieldsError::RadiusRange { particle, radius: radii[particle] });
-        }
+        check_radii(radii)?;
         let volumes: Vec<f64> = radii.par_iter().map(|r| 4.0 / 3.0 * PI * r * r * r).collect();
         let vector = |name: &'static str, needed: bool| -> Result<Option<&'a [f64]>, FieldsError> {
             match column(particles, name, 3) {
@@ -57,7 +56,7 @@ impl<'a> Frame<'a> {
                         _ => (column.as_str(), None),
                     };
                     let found = particles.quantity(name)?;
-                    finite(name, &found.data, found.components)?;
+                    check_finite(name, &found.data, found.components)?;
                     match component {
                         Some(k) if k < found.components => {
                             Ok((found.data.get(k..).unwrap_or_default(), found.components))
@@ -133,22 +132,8 @@ impl<'a> Frame<'a> {
 
     /// All contacts as [`Frame::side`] sees them.
     pub fn sides(&self, contacts: &Contacts) -> Result<Vec<Contact>, FieldsError> {
-        let count = self.len();
-        let mut sides = Vec::with_capacity(contacts.len());
-        for (index, contact) in contacts.iter().enumerate() {
-            let other = match contact.partner {
-                Partner::Particle(other) => other,
-                Partner::Wall(_) => contact.particle,
-            };
-            let particle = contact.particle.max(other);
-            if particle as usize >= count {
-                let unknown =
-                    fieldstone_particles::ParticlesError::UnknownParticle { index, particle, particle_count: count };
-                return Err(FieldsError::Particles(unknown));
-            }
-            sides.extend(self.side(contact));
-        }
-        Ok(sides)
+        check_partners(contacts, self.len())?;
+        Ok(contacts.iter().filter_map(|contact| self.side(contact)).collect())
     }
 }
 
@@ -156,27 +141,7 @@ fn vector_of(column: Option<&[f64]>, particle: usize) -> [f64; 3] {
     column.map_or([0.0; 3], |v| [v[3 * particle], v[3 * particle + 1], v[3 * particle + 2]])
 }
 
-fn column<'a>(particles: &'a Particles, name: &str, components: usize) -> Result<&'a [f64], FieldsError> {
-    let found = particles.quantity(name)?;
-    if found.components != components {
-        return Err(FieldsError::Components { name: name.into(), found: found.components, expected: components });
-    }
-    finite(name, &found.data, components)?;
-    Ok(&found.data)
-}
-
-fn finite(name: &str, data: &[f64], components: usize) -> Result<(), FieldsError> {
-    match data.iter().position(|x| !x.is_finite()) {
-        None => Ok(()),
-        Some(at) => Err(FieldsError::Particles(fieldstone_particles::ParticlesError::NotFinite {
-            index: at / components,
-            what: name.into(),
-            value: data[at],
-        })),
-    }
-}
-
-/// Mass of each particle: its own column, else density × volume.
+/// Mass of each particle: by the density of all where one is given, else by the particle's own mass or density.
 fn masses(particles: &Particles, volumes: &[f64], density: Option<f64>) -> Result<Vec<f64>, FieldsError> {
     if let Some(density) = density {
         return Ok(volumes.iter().map(|v| v * density).collect());

@@ -23,9 +23,9 @@ use crate::binning::Binning;
 use crate::scatter::{Order, Pair, Sums};
 use crate::{FieldsError, NeumaierSum};
 
-use crate::periodic::Periods;
+use crate::periodic::{Periods, longest_branch};
 use derive::Densities;
-pub use fields::{CoarseGrainingLedger, Field, Fields};
+pub use fields::{CoarseGrainingLedger, Field, Fields, component_names};
 use frame::Frame;
 use layout::{Column, GROUPS, Group, Layout};
 pub use names::FieldName;
@@ -50,9 +50,9 @@ use weigh::{ContactWeights, ParticleWeights, Sampling, Scratch, Weigher};
 /// Only such linear sums are accumulated; velocity, kinetic stress, temperature and pressure are derived once, by
 /// [`CoarseGraining::finish`]. [`FieldName`] has the formulas.
 ///
-/// Positions, radii and masses come from the particles; `mass` (else `density`, else
-/// [`CoarseGrainingOptions::particle_density`]), `velocity`, `angular_velocity` and `displacement` are columns, needed
-/// where a field asks for them.
+/// Positions and radii come from the particles; their columns `mass` (else `density`), `velocity`, `angular_velocity` and
+/// `displacement` are needed where a field asks for them. [`CoarseGrainingOptions::particle_density`] stands in place of
+/// the particles' own masses.
 ///
 /// Exact weights conserve: Σ ρ V_c is the mass inside the cells to rounding. Kernels are values at points and do not,
 /// unless [`CoarseGrainingOptions::conserve`] scales them to.
@@ -137,7 +137,8 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     ///
     /// # Errors
     /// Columns that are missing or not finite; contacts missing where a field needs them; a weight that is negative or
-    /// not finite.
+    /// not finite; particles, branches or a kernel that reach so far that more than 10⁵ copies of the periodic box would
+    /// have to be gone through.
     pub fn accumulate(
         &mut self,
         particles: &Particles,
@@ -166,7 +167,20 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let periods = |once: bool| {
             Periods::new(domain.as_ref(), cells.averaged().map(|averaged| averaged && once), cells.bounds())
         };
-        periods(false).check()?;
+        match self.options.function {
+            Function::Overlap(_) => periods(false).check_balls(frame.radii)?,
+            Function::Kernel(kernel) => periods(true).check(kernel.reach())?,
+        }
+        let form = self.options.form();
+        let sampled_contacts = form == ContactForm::LineIntegral;
+        if form != ContactForm::ParticleCentred {
+            let half = 0.5 * longest_branch(sides.iter().copied());
+            let around = match self.options.function {
+                Function::Kernel(kernel) if sampled_contacts => kernel.reach(),
+                _ => 0.0,
+            };
+            periods(sampled_contacts).check(half + around)?;
+        }
         // A frame of weight 0 has been checked, and adds nothing.
         if weight > 0.0 {
             let by_frame = self.layout.width(Group::Frame) > 0;
@@ -179,8 +193,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             }
             let sampled = matches!(self.options.function, Function::Kernel(_));
             self.add_particles(&frame, &sides, weight, periods(sampled))?;
-            let sampled = self.options.form() == ContactForm::LineIntegral;
-            self.add_contacts(&frame, &sides, weight, &periods(sampled))?;
+            self.add_contacts(&frame, &sides, weight, &periods(sampled_contacts))?;
             self.add_moments(&frame, weight, periods(false))?;
             if let Some(before) = own {
                 self.merge_frame(before);
@@ -218,7 +231,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let weights = match self.options.function {
             Function::Overlap(method) => ParticleWeights::Overlap(Binning::new(self.cells, method)?),
             Function::Kernel(kernel) => ParticleWeights::Sampled {
-                sampling: Sampling::new(self.cells, kernel),
+                sampling: Sampling::new(self.cells, kernel)?,
                 conserve: self.options.conserve,
             },
         };
@@ -242,10 +255,11 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let origin = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
         let mut quantities = particle_quantities(frame, &self.layout, carriers.as_deref(), origin, weight);
         let width = self.layout.width(Group::Particle);
+        let carrier_count = carriers.as_ref().map_or(frame.len(), Vec::len);
         let images = |particle: usize| match &weigher.first_image {
             None => particle..particle + 1,
             Some(first) => {
-                let end = first.get(particle + 1).map_or(quantities_len(&carriers), |&e| e as usize);
+                let end = first.get(particle + 1).map_or(carrier_count, |&e| e as usize);
                 first[particle] as usize..end
             }
         };
@@ -265,7 +279,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         );
         let curve;
         let order = if C::PLACES_IN_MEMORY {
-            curve = crate::weights::along_a_curve(frame.positions);
+            curve = crate::curve::along_a_curve(frame.positions);
             Order::Listed(&curve)
         } else {
             Order::Numbered(frame.len())
@@ -295,7 +309,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         let weights: ContactWeights<'_, C> = match (self.options.form(), self.options.function) {
             (ContactForm::ParticleCentred, _) => return Ok(()),
             (ContactForm::LineIntegral, Function::Kernel(kernel)) => {
-                ContactWeights::Sampled(Sampling::new(self.cells, kernel))
+                ContactWeights::Sampled(Sampling::new(self.cells, kernel)?)
             }
             _ => ContactWeights::Segments(Segments::new(self.cells)),
         };
@@ -420,10 +434,6 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         };
         Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })
     }
-}
-
-fn quantities_len(carriers: &Option<Vec<(u32, [f64; 3])>>) -> usize {
-    carriers.as_ref().map_or(0, Vec::len)
 }
 
 fn scratch_of<C: Cells>(cells: &C, weights: &ParticleWeights<'_, C>) -> C::Scratch {

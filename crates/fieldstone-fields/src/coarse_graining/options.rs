@@ -179,7 +179,7 @@ pub struct CoarseGrainingOptions {
     pub selection: Selection,
     /// Box whose periodic directions are honoured.
     pub domain: Option<Domain>,
-    /// Density of all particles, where they have neither a `mass` nor a `density` column.
+    /// Density of all particles, in place of their own columns `mass` and `density`.
     pub particle_density: Option<f64>,
 }
 

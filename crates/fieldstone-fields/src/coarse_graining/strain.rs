@@ -69,7 +69,7 @@ pub fn displacements(before: &Particles, after: &Particles) -> Result<Particles,
             old.iter().map(|id| places.get(id).copied()).collect()
         }
         _ => {
-            crate::weights::check_length("particles", after.len(), before.len())?;
+            crate::checks::check_length("particles", after.len(), before.len())?;
             (0..before.len()).map(Some).collect()
         }
     };

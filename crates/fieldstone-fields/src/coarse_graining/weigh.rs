@@ -23,17 +23,17 @@ pub(super) struct Sampling<'a> {
 }
 
 impl<'a> Sampling<'a> {
-    pub fn new<C: Cells>(cells: &'a C, kernel: Kernel) -> Self {
+    pub fn new<C: Cells>(cells: &'a C, kernel: Kernel) -> Result<Self, FieldsError> {
         let averaged = cells.averaged();
         let (low, high) = cells.bounds();
         let share = (0..3).filter(|&k| averaged[k]).map(|k| 1.0 / (high[k] - low[k])).product();
         let dimensions = averaged.iter().filter(|a| !**a).count();
-        Self {
+        Ok(Self {
             places: Places::new(cells, 0.2 * kernel.width()),
-            kernel: kernel.in_dimensions(dimensions),
+            kernel: kernel.in_dimensions(dimensions)?,
             averaged,
             share,
-        }
+        })
     }
 
     pub fn reach(&self) -> f64 {
@@ -99,7 +99,8 @@ pub(super) struct Weigher<'a, C: Cells> {
     pub periods: Periods,
     /// First carrier of each particle where its images are carriers of their own.
     pub first_image: Option<&'a [u32]>,
-    /// Σ of each particle's weights × cell volumes, as bits.
+    /// Part of each particle that the cells hold, as bits: the sum of its weights × cell volumes, but for methods that do
+    /// not keep it ([`Binning::placed`]).
     pub placed: &'a [AtomicU64],
 }
 
@@ -136,12 +137,16 @@ impl<C: Cells> Weigher<'_, C> {
                 self.images(frame, particle, |centre| {
                     scratch.row.clear();
                     match Ball::new(centre, frame.radii[particle]) {
-                        Ok(ball) => binning.bin(&ball, particle as u64, &mut scratch.cells, &mut scratch.row),
+                        Ok(ball) => {
+                            binning.bin(&ball, particle as u64, &mut scratch.cells, &mut scratch.row);
+                            placed += binning.placed(&ball, &scratch.row) * share;
+                        }
                         Err(source) => failure = Some(FieldsError::Ball { particle, source }),
                     }
-                    out.extend(scratch.row.iter().map(|&(cell, volume)| {
-                        placed += volume * share;
-                        Pair { cell, carrier, weight: volume * share }
+                    out.extend(scratch.row.iter().map(|&(cell, volume)| Pair {
+                        cell,
+                        carrier,
+                        weight: volume * share,
                     }));
                     carrier += step;
                 });

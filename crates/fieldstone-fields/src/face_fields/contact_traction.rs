@@ -1,11 +1,12 @@
 //! The contact forces that cross each face.
 
 use fieldstone_mesh::Faces;
-use fieldstone_particles::{Contacts, Domain, Particles, ParticlesError, Partner};
+use fieldstone_particles::{Contacts, Domain, Particles, Partner};
 use rayon::prelude::*;
 
 use crate::FieldsError;
-use crate::periodic::Periods;
+use crate::checks::check_partners;
+use crate::periodic::{Periods, longest_branch};
 
 /// Contacts handled by one task.
 const BLOCK: usize = 1024;
@@ -47,7 +48,7 @@ pub struct ContactTraction {
 /// Cost: linear in contacts and faces passed. The same bits for any number of threads.
 ///
 /// # Errors
-/// A contact of a particle that there is not.
+/// A contact of a particle that there is not; a periodic box of which more than 10⁵ copies reach the cells.
 ///
 /// Source: derived here; the force across a surface is what Cauchy defined stress by.
 ///
@@ -73,18 +74,9 @@ pub fn contact_traction<C: Faces>(
     domain: Option<&Domain>,
 ) -> Result<ContactTraction, FieldsError> {
     let positions = particles.positions();
-    for (index, contact) in contacts.iter().enumerate() {
-        let other = match contact.partner {
-            Partner::Particle(other) => other,
-            Partner::Wall(_) => contact.particle,
-        };
-        let particle = contact.particle.max(other);
-        if particle as usize >= positions.len() {
-            let particle_count = positions.len();
-            return Err(ParticlesError::UnknownParticle { index, particle, particle_count }.into());
-        }
-    }
+    check_partners(contacts, positions.len())?;
     let periods = Periods::new(domain, [false; 3], cells.bounds());
+    periods.check(0.5 * longest_branch(contacts.iter()))?;
     let indices: Vec<usize> = (0..contacts.len()).collect();
     // What each block of contacts brings to faces, and walls to cells, in the order of the contacts.
     let blocks: Vec<(Forces, Forces)> = indices

@@ -6,6 +6,7 @@ use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
 use crate::FieldsError;
+use crate::checks::{check_radii, column};
 use crate::periodic::Periods;
 
 /// Particles handled by one task.
@@ -35,7 +36,8 @@ pub struct SolidFlux {
 /// rounding. Needs radii and the column `velocity`. With a `domain`, images are counted along its periodic directions.
 ///
 /// # Errors
-/// Particles without radii or velocities; a particle that is no ball.
+/// Particles without radii or velocities; velocities that are not finite; a radius that is no length between 1e-100 and
+/// 1e100, or more than 20 times the length of a periodic box; a box of which more than 10⁵ copies reach the cells.
 ///
 /// Source: Reynolds' transport theorem for the part of a rigid ball in a fixed cell.
 ///
@@ -59,12 +61,10 @@ pub fn solid_flux<C: Faces>(
     domain: Option<&Domain>,
 ) -> Result<SolidFlux, FieldsError> {
     let radii = particles.radii()?;
-    let velocities = particles.quantity("velocity")?;
-    if velocities.components != 3 {
-        let (name, found) = ("velocity".into(), velocities.components);
-        return Err(FieldsError::Components { name, found, expected: 3 });
-    }
+    check_radii(radii)?;
+    let velocities = column(particles, "velocity", 3)?;
     let periods = Periods::new(domain, [false; 3], cells.bounds());
+    periods.check_balls(radii)?;
     let blocks: Vec<Vec<(u32, f64)>> = particles
         .positions()
         .par_chunks(BLOCK)
@@ -74,7 +74,7 @@ pub fn solid_flux<C: Faces>(
             let mut failure = None;
             for (k, &at) in positions.iter().enumerate() {
                 let particle = block * BLOCK + k;
-                let (r, v) = (radii[particle], &velocities.data[3 * particle..3 * particle + 3]);
+                let (r, v) = (radii[particle], &velocities[3 * particle..3 * particle + 3]);
                 periods.for_each(at.map(|x| x - r), at.map(|x| x + r), |shift| {
                     match Ball::new(std::array::from_fn(|k| at[k] + shift[k]), r) {
                         Ok(ball) => cells.for_each_cut(&ball, &mut |face, area| {

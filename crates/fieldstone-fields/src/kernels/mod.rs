@@ -62,7 +62,7 @@ impl fmt::Display for KernelShape {
 ///
 /// ```
 /// use fieldstone_fields::{Kernel, KernelShape};
-/// let lucy = Kernel::new(KernelShape::Lucy, 1.0, None)?.in_dimensions(3);
+/// let lucy = Kernel::new(KernelShape::Lucy, 1.0, None)?.in_dimensions(3)?;
 /// assert!((lucy.value(0.0) - 105.0 / (16.0 * std::f64::consts::PI)).abs() < 1e-14);
 /// // The mean along a branch through the centre, as long as the reach.
 /// let mean = lucy.along_branch([0.0; 3], [1.0, 0.0, 0.0]);
@@ -84,13 +84,20 @@ pub struct Kernel {
 const SHORT: f64 = 1e-4;
 
 impl Kernel {
-    /// A kernel of the given width; `reach` is where a Gaussian is cut off, three widths unless given.
+    /// A kernel of the given width; `reach` is where a Gaussian is cut off, three widths unless given. The others end at
+    /// their width.
     ///
     /// # Errors
-    /// [`FieldsError::Option`] for a width or reach that is not positive and finite.
+    /// [`FieldsError::Option`] for a width or reach that is not between 1e-100 and 1e100, [`FieldsError::Combination`] for
+    /// the reach of a kernel that is no Gaussian.
     pub fn new(shape: KernelShape, width: f64, reach: Option<f64>) -> Result<Self, FieldsError> {
         let reach = match shape {
             KernelShape::Gauss => reach.unwrap_or(3.0 * width),
+            _ if reach.is_some() => {
+                return Err(FieldsError::Combination {
+                    what: "only a Gaussian has a cut-off of its own, and lucy, heaviside and linear end at their width: leave the cut-off out, or choose gauss",
+                });
+            }
             _ => width,
         };
         for (name, value) in [("the kernel's width", width), ("the kernel's cut-off", reach)] {
@@ -98,12 +105,18 @@ impl Kernel {
                 return Err(FieldsError::Option { name, value, allowed: "between 1e-100 and 1e100" });
             }
         }
-        Ok(Self { shape, width, reach, dimensions: 3, norm: 0.0 }.in_dimensions(3))
+        Self { shape, width, reach, dimensions: 3, norm: 0.0 }.in_dimensions(3)
     }
 
     /// The same kernel, integrated over all but `dimensions` directions (0 to 3). In none it is 1.
-    #[must_use]
-    pub fn in_dimensions(mut self, dimensions: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`FieldsError::Option`] for more than three dimensions.
+    pub fn in_dimensions(mut self, dimensions: usize) -> Result<Self, FieldsError> {
+        if dimensions > 3 {
+            let (name, value) = ("the kernel's number of dimensions", dimensions as f64);
+            return Err(FieldsError::Option { name, value, allowed: "0, 1, 2 or 3" });
+        }
         let mass = match self.shape {
             _ if dimensions == 0 => 1.0,
             KernelShape::Gauss => gauss::mass(dimensions, self.reach / self.width),
@@ -113,7 +126,7 @@ impl Kernel {
         };
         self.dimensions = dimensions;
         self.norm = 1.0 / (mass * self.width.powi(dimensions as i32));
-        self
+        Ok(self)
     }
 
     /// Shape.
@@ -269,7 +282,7 @@ mod tests {
     fn every_kernel_has_integral_one_in_one_two_and_three_dimensions() {
         for shape in SHAPES {
             for dimensions in 1..=3 {
-                let kernel = Kernel::new(shape, 0.7, None).unwrap().in_dimensions(dimensions);
+                let kernel = Kernel::new(shape, 0.7, None).unwrap().in_dimensions(dimensions).unwrap();
                 let reach = kernel.reach();
                 let surface = [2.0, 2.0 * std::f64::consts::PI, 4.0 * std::f64::consts::PI][dimensions - 1];
                 let total = integrate(
@@ -288,7 +301,7 @@ mod tests {
     fn line_integrals_agree_with_quadrature() {
         for shape in SHAPES {
             for dimensions in 1..=3 {
-                let kernel = Kernel::new(shape, 0.8, None).unwrap().in_dimensions(dimensions);
+                let kernel = Kernel::new(shape, 0.8, None).unwrap().in_dimensions(dimensions).unwrap();
                 let mut seed = 1u64;
                 let mut random = || {
                     seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -328,5 +341,24 @@ mod tests {
         let message = "cubic".parse::<KernelShape>().unwrap_err().to_string();
         assert!(message.contains("gauss, lucy, heaviside, linear"), "{message}");
         assert!(Kernel::new(KernelShape::Lucy, f64::NAN, None).is_err());
+    }
+
+    #[test]
+    fn only_a_gaussian_takes_a_cut_off() {
+        assert_eq!(Kernel::new(KernelShape::Gauss, 1.0, Some(2.0)).unwrap().reach(), 2.0);
+        for shape in [KernelShape::Lucy, KernelShape::Heaviside, KernelShape::Linear] {
+            let message = Kernel::new(shape, 1.0, Some(1.0)).unwrap_err().to_string();
+            assert!(message.contains("only a Gaussian has a cut-off"), "{shape}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_kernel_has_at_most_three_dimensions() {
+        for shape in SHAPES {
+            let kernel = Kernel::new(shape, 1.0, None).unwrap();
+            assert_eq!(kernel.in_dimensions(0).unwrap().value(4.0), 1.0);
+            let message = kernel.in_dimensions(4).unwrap_err().to_string();
+            assert_eq!(message, "the kernel's number of dimensions is 4; it must be 0, 1, 2 or 3");
+        }
     }
 }

@@ -29,6 +29,63 @@ fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// A small packing that is always there, and the real ones where their files are.
+pub fn cases() -> Vec<Case> {
+    let real = [mercury_box(), liggghts_chute(), lammps_pack()];
+    std::iter::once(sheared_layer()).chain(real.into_iter().flatten()).collect()
+}
+
+/// 288 balls on a floor, periodic in x and y, sheared along x, with springs and friction in 600 contacts or more.
+///
+/// Sites of a cubic lattice 6 × 6 × 8, each moved by up to 0.1 of its spacing; radii of 0.48 to 0.58 spacings. Where two
+/// overlap, or one and the floor z = 0, they push each other apart with 100 times the depth, and rub with up to a third of
+/// that across. Not at rest: the identities hold for any forces.
+pub fn sheared_layer() -> Case {
+    let counts = [6, 6, 8];
+    let mut seed = 20_240_229u64;
+    // The upper bits of a linear congruential generator, in −1…1.
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let (mut positions, mut radii, mut velocities, mut spins) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for site in 0..counts.iter().product() {
+        let at = [site % counts[0], site / counts[0] % counts[1], site / (counts[0] * counts[1])];
+        let position: [f64; 3] = at.map(|k| k as f64 + 0.5 + 0.1 * random());
+        velocities.extend([0.3 * position[2] + 0.1 * random(), 0.1 * random(), 0.1 * random()]);
+        spins.extend([random(), 0.15 + random(), random()]);
+        radii.push(0.53 + 0.05 * random());
+        positions.push(position);
+    }
+    let domain = Domain::new([0.0; 3], counts.map(|n| n as f64), [true, true, false]).unwrap();
+    let mut contacts = Contacts::new();
+    let mut push = |i: usize, partner: Partner, reach: f64, branch: [f64; 3], share: f64| {
+        let distance = branch.iter().map(|b| b * b).sum::<f64>().sqrt();
+        if distance >= reach {
+            return;
+        }
+        let normal = branch.map(|b| b / distance);
+        let push = 100.0 * (reach - distance);
+        let rub: [f64; 3] = std::array::from_fn(|_| push / 3.0 * random() / 3f64.sqrt());
+        let along: f64 = (0..3).map(|k| rub[k] * normal[k]).sum();
+        let force = std::array::from_fn(|k| -push * normal[k] + rub[k] - along * normal[k]);
+        let arm = branch.map(|b| share * b);
+        contacts.push(positions.len(), Contact { particle: i as u32, partner, force, arm, branch }).unwrap();
+    };
+    for i in 0..positions.len() {
+        for j in i + 1..positions.len() {
+            let branch = domain.minimum_image(minus(positions[j], positions[i]));
+            push(i, Partner::Particle(j as u32), radii[i] + radii[j], branch, radii[i] / (radii[i] + radii[j]));
+        }
+        push(i, Partner::Wall(0), radii[i], [0.0, 0.0, -positions[i][2]], 1.0);
+    }
+    assert!(contacts.len() > 600, "{}", contacts.len());
+    let particles = Particles::new(positions).unwrap().with_radii(radii).unwrap();
+    let particles = particles.with_quantity(quantity("velocity", 3, velocities)).unwrap();
+    let particles = particles.with_quantity(quantity("angular_velocity", 3, spins)).unwrap();
+    Case { name: "sheared-layer", particles, contacts, domain, density: Some(2.0) }
+}
+
 /// The last frame of MercuryDPM's box.
 pub fn mercury_box() -> Option<Case> {
     let folder = extended("mercury-box")?;

@@ -21,6 +21,7 @@ use serde::Serialize;
 use super::arguments::{
     CellSet, CellsArguments, ParticleArguments, Periodic, bounds, ending, fraction, not_negative, positive,
 };
+use super::publish::Published;
 use super::timing::Timing;
 use super::{outputs, report};
 
@@ -291,7 +292,7 @@ pub(crate) fn compute<C: Cells>(
     options: &SolidFractionOptions,
     timing: &mut Timing,
 ) -> anyhow::Result<Outcome> {
-    let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()));
+    let counts = timing.measure("search", || count_centres(cells, particles, options.domain.as_ref()))?;
     let bar = ProgressBar::new(particles.len() as u64).with_style(ProgressStyle::with_template(
         "{bar:30} {percent:>3} %  {human_pos} of {human_len} particles, {eta} left",
     )?);
@@ -509,7 +510,7 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     if let Some((name, ..)) = list.iter().find(|(name, ..)| path.join(name).is_dir()) {
         bail!("{}: there is a folder of this name; remove it first", path.join(name).display());
     }
-    // All fields are written beside the time folder first, so that it gets all of them or none.
+    // All fields are written beside the time folder first: it gets all of them or none.
     let case = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let staging = tempfile::Builder::new().prefix(".fieldstone-").tempdir_in(case);
     let staging = staging.with_context(|| format!("{}: cannot write", path.display()))?;
@@ -529,13 +530,15 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
         })?;
         files.push((written, target));
     }
-    if !path.is_dir() {
+    let new = !path.is_dir();
+    if new {
         std::fs::create_dir(path).with_context(|| format!("{}: cannot make the folder", path.display()))?;
     }
-    for (from, to) in files {
-        std::fs::rename(from, &to).with_context(|| format!("{}: cannot write", to.display()))?;
+    let published = Published::new(&files, staging.path());
+    if new && published.is_err() {
+        let _ = std::fs::remove_dir(path);
     }
-    Ok(())
+    published.map(drop)
 }
 
 fn write_table(path: &Path, cells: usize, centre: impl Fn(usize) -> [f64; 3], outcome: &Outcome) -> anyhow::Result<()> {

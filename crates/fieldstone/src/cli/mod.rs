@@ -13,6 +13,7 @@ mod outputs;
 mod overlap;
 mod picture;
 mod plot;
+mod publish;
 mod report;
 mod reproduce;
 mod sph;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use fieldstone::fields::{CoarseGrainingLedger, Fields};
+use fieldstone::fields::{CoarseGrainingLedger, CoarseGrainingOptions, FieldName, Fields, Function};
 use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
@@ -22,8 +22,6 @@ pub(super) struct Seen {
     pub contacts: Option<usize>,
     /// What all frames' particles have in common.
     pub found: Found,
-    /// Of the worst cell of the worst frame.
-    pub balance: Option<f64>,
 }
 
 /// The account of a run: means over its results.
@@ -33,15 +31,17 @@ pub(super) struct Account {
     results: usize,
     /// Σ of boundary forces over cells, and whether the field was there.
     boundary_force: Option<[f64; 3]>,
+    /// Residual of the worst cell of the worst frame.
+    balance: Option<f64>,
     pub seen: Seen,
-    pub cells: usize,
-    pub gravity: Option<[f64; 3]>,
-    pub sign: &'static str,
+    cells: usize,
+    gravity: Option<[f64; 3]>,
+    sign: &'static str,
     /// Whether cells see particles by kernels at points, which conserve nothing.
-    pub sampled: bool,
+    sampled: bool,
     /// Whether momenta and stresses are among the sums.
-    pub has_momentum: bool,
-    pub has_stress: bool,
+    has_momentum: bool,
+    has_stress: bool,
 }
 
 /// Keys in the order in which they are written.
@@ -65,6 +65,28 @@ struct Json {
 }
 
 impl Account {
+    /// The account of a run on so many cells; `sign` is which stresses are positive.
+    pub fn new(options: &CoarseGrainingOptions, cells: usize, gravity: Option<[f64; 3]>, sign: &'static str) -> Self {
+        let has = |needs: fn(FieldName) -> bool| options.fields.iter().any(|field| needs(*field));
+        Self {
+            cells,
+            gravity,
+            sign,
+            sampled: matches!(options.function, Function::Kernel(_)) && !options.conserve,
+            has_momentum: has(needs_momentum),
+            has_stress: has(needs_stress),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a residual of the balance of momentum.
+    pub fn add_balance(&mut self, residual: Option<f64>) {
+        self.balance = match (self.balance, residual) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+    }
+
     /// Adds a result.
     pub fn add(&mut self, fields: &Fields, volume: impl Fn(usize) -> f64) {
         let l = &fields.ledger;
@@ -122,7 +144,7 @@ impl Account {
             momentum_binned: self.has_momentum.then_some(l.momentum_binned),
             stress_sum_contacts: l.stress_sum_contacts,
             stress_sum_fields: self.has_stress.then_some(l.stress_sum_fields),
-            balance_residual: self.seen.balance,
+            balance_residual: self.balance,
             frames: self.seen.frames,
             seconds,
             particles: self.seen.particles,
@@ -177,11 +199,25 @@ impl Account {
         if let Some(g) = self.gravity {
             line("weight", vector(&g.map(|g| g * l.mass_in)));
         }
-        if let Some(balance) = self.seen.balance {
+        if let Some(balance) = self.balance {
             line("balance residual", format!("{balance:.1e}  (worst cell, over the largest contact force)"));
         }
         text
     }
+}
+
+/// Whether a field needs the sum of the contact stresses.
+fn needs_stress(field: FieldName) -> bool {
+    matches!(field, FieldName::ContactStress | FieldName::TotalStress | FieldName::Pressure)
+}
+
+/// Whether a field needs the sum of the momenta.
+fn needs_momentum(field: FieldName) -> bool {
+    use FieldName::*;
+    matches!(
+        field,
+        Momentum | Velocity | KineticStress | GranularTemperature | TotalStress | Pressure | MomentumWithSpin
+    )
 }
 
 /// Seven digits: what was lost shows in the percentages, and all digits are in the JSON.

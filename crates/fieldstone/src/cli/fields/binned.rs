@@ -7,12 +7,12 @@ use fieldstone::fields::{FieldsError, Function};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::Particles;
 
-use super::Run;
 use super::account::Account;
+use super::request::Run;
 use crate::cli::report;
 
 /// Types that are kept apart: more of them are no species, but numbers of particles.
-const MOST_TYPES: usize = 64;
+pub(super) const MOST_TYPES: usize = 64;
 
 /// What the particles of all frames are like, for messages.
 #[derive(Debug)]

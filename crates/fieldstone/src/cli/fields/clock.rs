@@ -68,10 +68,19 @@ fn numbers_in(files: &[PathBuf]) -> Option<Vec<i64>> {
     numbers.is_sorted_by(|a, b| a < b).then_some(numbers)
 }
 
-/// What stands around the runs of digits in a name, and those runs.
+/// What stands before, between and after the runs of digits in a name, and those runs.
+///
+/// A piece that is empty is one, too: names whose pieces are the same have as many runs, in the same places.
 fn parts(name: &str) -> (Vec<&str>, Vec<&str>) {
-    let around = name.split(|c: char| c.is_ascii_digit()).filter(|part| !part.is_empty()).collect();
-    let digits = name.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty()).collect();
+    let (mut around, mut digits, mut rest) = (Vec::new(), Vec::new(), name);
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let (before, run) = rest.split_at(start);
+        let (run, after) = run.split_at(run.find(|c: char| !c.is_ascii_digit()).unwrap_or(run.len()));
+        around.push(before);
+        digits.push(run);
+        rest = after;
+    }
+    around.push(rest);
     (around, digits)
 }
 
@@ -135,5 +144,13 @@ mod tests {
         ] {
             assert_eq!(of(none), None, "{none:?}");
         }
+    }
+
+    #[test]
+    fn names_with_numbers_in_other_places_tell_no_steps() {
+        for names in [["out.csv", "1out.csv"], ["1out.csv", "out.csv"], ["run2.csv", "5run2.csv"], ["1out", "out2"]] {
+            assert_eq!(numbers_in(&names.map(PathBuf::from)), None, "{names:?}");
+        }
+        assert_eq!(numbers_in(&["1out", "2out"].map(PathBuf::from)), Some(vec![1, 2]));
     }
 }

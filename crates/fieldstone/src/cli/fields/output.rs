@@ -16,6 +16,7 @@ use super::frames::Outcome;
 use super::names::mercury_name;
 use super::settings::{Encoding, Settings};
 use crate::cli::arguments::ending;
+use crate::cli::publish::Published;
 
 /// What kind of file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +65,10 @@ impl Format {
     }
 }
 
-/// Results on their way to files, which appear when all are there.
+/// Results on their way to files, which get their names when all results are there.
+///
+/// A file, and a series with its list, is there as a whole or not at all. One output follows the other, the fields on
+/// cells first: where one cannot be written, those before it are there.
 pub(super) struct Writer<'a> {
     path: &'a Path,
     cells: &'a CellSet,
@@ -113,14 +117,16 @@ impl Staged {
         Ok(())
     }
 
+    /// Gives the files their names and writes the list: the whole series is there, or what was there before.
     fn finish(self) -> anyhow::Result<()> {
         let parent = self.list.parent().unwrap_or(Path::new(""));
-        for (_, name) in &self.steps {
-            let target = parent.join(name);
-            std::fs::rename(self.folder.path().join(name), &target)
-                .with_context(|| format!("{}: cannot write", target.display()))?;
+        let names = self.steps.iter().map(|(_, name)| (self.folder.path().join(name), parent.join(name)));
+        let published = Published::new(&names.collect::<Vec<_>>(), self.folder.path())?;
+        let listed = vtk::write_pvd(&self.list, &self.steps);
+        if listed.is_err() {
+            published.take_back();
         }
-        Ok(vtk::write_pvd(&self.list, &self.steps)?)
+        Ok(listed?)
     }
 }
 

@@ -305,7 +305,7 @@ pub(crate) struct Settings {
     /// Width of the kernel: a Gaussian's standard deviation, else where the kernel ends
     #[arg(long, value_name = "W", value_parser = positive, allow_negative_numbers = true)]
     pub width: Option<f64>,
-    /// Where a Gaussian is cut off [default: 3 widths]
+    /// Where a Gaussian is cut off; other kernels end at their width [default: 3 widths]
     #[arg(long, value_name = "C", value_parser = positive, allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
     /// Scale each particle's kernel values so that they conserve mass

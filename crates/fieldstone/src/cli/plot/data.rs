@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
-use fieldstone::fields::FieldName;
+use fieldstone::fields::{FieldName, component_names};
 use fieldstone::io::{CsvTable, DataArray, read_stat, vtk};
 use fieldstone::mesh::{Cells, Mesh};
 
@@ -70,7 +70,7 @@ pub(super) enum Places {
 pub(super) struct Plotted {
     pub places: Places,
     pub volumes: Vec<f64>,
-    /// Mass density, where the file has it.
+    /// Mass density of what the field is of, all particles or a species, where the file has it.
     pub density: Option<Vec<f64>>,
     /// Names of the components; one empty name for a scalar.
     pub components: Vec<String>,
@@ -113,32 +113,35 @@ pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plott
         let names: Vec<&str> = table.columns.iter().map(|(name, ..)| name.as_str()).collect();
         bail!("{}: there is no field '{field}'; it has {}", path.display(), names.join(", "))
     };
-    let of_all = without_species(name);
-    let known = FieldName::ALL.iter().find(|known| is(of_all, known.name()) && known.components().len() == *count);
+    let known = known_field(name).filter(|known| known.components().len() == *count);
     let components = match known {
         Some(known) => known.components().iter().map(|c| (*c).to_string()).collect(),
-        None => default_components(*count),
+        None => component_names(*count),
     };
-    let density = find("density").map(|(.., data)| data.clone());
+    let density = find(&density_of(field)).map(|(.., data)| data.clone());
     Ok(Plotted { components, data: data.clone(), density, volumes: table.volumes, places: table.places })
 }
 
-/// The name of the field of all particles that a species has one of its own of: `density` for `density_species_2`, and
-/// for MercuryCG's `DensitySpecies2` the same.
-fn without_species(name: &str) -> &str {
+/// A field's name without the species, and the species: `density` and 2 of `density_species_2`, and of MercuryCG's
+/// `DensitySpecies2` the same.
+fn apart(name: &str) -> (&str, Option<i64>) {
     let parts = name.rsplit_once("_species_").or_else(|| name.rsplit_once("Species"));
-    parts.filter(|(_, species)| species.parse::<i64>().is_ok()).map_or(name, |(of_all, _)| of_all)
+    match parts.and_then(|(of_all, species)| Some((of_all, species.parse().ok()?))) {
+        Some((of_all, species)) => (of_all, Some(species)),
+        None => (name, None),
+    }
 }
 
-/// Names of the components of a field that nothing is known of; those of six stand in no agreed order.
-fn default_components(count: usize) -> Vec<String> {
-    let names: &[&str] = match count {
-        1 => &[""],
-        3 => &["x", "y", "z"],
-        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
-        _ => return (0..count).map(|k| k.to_string()).collect(),
-    };
-    names.iter().map(|name| (*name).into()).collect()
+/// The field that a file's name stands for, be it of all particles or of a species.
+pub(super) fn known_field(name: &str) -> Option<FieldName> {
+    let (of_all, _) = apart(name);
+    FieldName::ALL.iter().copied().find(|known| is(of_all, known.name()))
+}
+
+/// The density that a field is a mean by: that of the same species.
+fn density_of(field: &str) -> String {
+    let (_, species) = apart(field);
+    species.map_or("density".into(), |species| format!("density_species_{species}"))
 }
 
 /// Place of a frame in a list.
@@ -279,14 +282,13 @@ fn from_csv(path: &Path, field: &str) -> anyhow::Result<Table> {
         bail!("{}: the rows are those of a mesh, whose cells are not in the table; plot the .vtu", path.display());
     }
     let mut columns = Vec::new();
-    for wanted in [field, "density"] {
+    for wanted in [field, &density_of(field)] {
         if columns.iter().any(|(name, ..): &(String, usize, Vec<f64>)| name == wanted) {
             continue;
         }
         let own = |name: &&String| {
             let suffix = name.strip_prefix(wanted).and_then(|rest| rest.strip_prefix('_'));
-            let components = wanted.parse::<FieldName>().map(|known| known.components().to_vec());
-            suffix.is_some_and(|suffix| components.map_or(true, |known| known.contains(&suffix)))
+            suffix.is_some_and(|suffix| known_field(wanted).is_none_or(|known| known.components().contains(&suffix)))
         };
         let names: Vec<&String> = match table.names().iter().find(|name| *name == wanted) {
             Some(name) => vec![name],
@@ -313,5 +315,30 @@ mod tests {
     fn edges_lie_halfway_between_centres() {
         assert_eq!(edges_around(&[1.0, 2.0, 3.0]), [0.5, 1.5, 2.5, 3.5]);
         assert_eq!(edges_around(&[2.0]), [1.5, 2.5]);
+    }
+
+    #[test]
+    fn a_field_of_a_species_goes_with_the_density_of_that_species() {
+        for (field, density) in [
+            ("velocity", "density"),
+            ("velocity_species_2", "density_species_2"),
+            ("VelocitySpecies12", "density_species_12"),
+            ("my_species_of_grain", "density"),
+        ] {
+            assert_eq!(density_of(field), density);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("two.csv");
+        let names = "x,y,z,density,density_species_1,velocity_species_1_x,velocity_species_1_y,velocity_species_1_z";
+        std::fs::write(&path, format!("{names}\n0,0,0,4,3,5,6,7\n1,0,0,2,0,0,0,0\n")).unwrap();
+        let plotted = read(&path, "velocity_species_1", -1).unwrap();
+        assert_eq!(plotted.density.as_deref(), Some(&[3.0, 0.0][..]));
+        assert_eq!(
+            (plotted.components, plotted.data),
+            (vec!["x".into(), "y".into(), "z".into()], vec![5.0, 6.0, 7.0, 0.0, 0.0, 0.0])
+        );
+        assert_eq!(known_field("velocity_species_2"), Some(FieldName::Velocity));
+        assert_eq!(known_field("ContactStressSpecies2"), Some(FieldName::ContactStress));
+        assert_eq!(known_field("velocity_of_grain"), None);
     }
 }

@@ -15,15 +15,15 @@ use fieldstone::mesh::Cells;
 
 use super::arguments::ending;
 use super::{outputs, report};
-use data::{Lattice, Places, Plotted, read};
+use data::{Lattice, Places, Plotted, known_field, read};
 use profile::{ProfilePicture, means};
 use slice::SlicePicture;
 
 /// A picture of a field: a slice as a colour map, or a profile over one coordinate
 ///
 /// Profiles are means over the other coordinates: by mass for velocities and other quantities per mass where the file
-/// has the density, else by volume. Fields on the nodes of a .vti, as of fieldstone grid, are taken for what is nearest to each
-/// node; nodes without fluid count with the 0 that they hold.
+/// has the density (for a species its own), else by volume. Fields on the nodes of a .vti, as of fieldstone grid, are
+/// taken for what is nearest to each node; nodes without fluid count with the 0 that they hold.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone plot chute.vti --field velocity --component x --slice y=0.02\n  \
@@ -119,15 +119,30 @@ impl Plot {
 
     fn shown(&self, plotted: &Plotted, name: &str) -> anyhow::Result<Shown> {
         if name == "magnitude" {
-            return Ok(Shown::Magnitude);
+            return self.magnitude(plotted);
         }
         let at = plotted.components.iter().position(|component| component == name);
         at.map(Shown::Component).ok_or_else(|| {
             let names = plotted.components.join(", ");
-            let found =
-                if names.is_empty() { "it is a scalar".into() } else { format!("there are {names} and magnitude") };
+            let found = match names.as_str() {
+                "" => "it is a scalar".into(),
+                _ if is_without_order(&plotted.components) => format!("there are {names}"),
+                _ => format!("there are {names} and magnitude"),
+            };
             anyhow!("--component {name}: {} has no such component; {found}", self.field)
         })
+    }
+
+    fn magnitude(&self, plotted: &Plotted) -> anyhow::Result<Shown> {
+        if is_without_order(&plotted.components) {
+            bail!(
+                "--component magnitude: {} has six components without names, and which of a symmetric tensor's count twice is \
+                 not known; choose one of {} (--component)",
+                self.field,
+                plotted.components.join(", ")
+            );
+        }
+        Ok(Shown::Magnitude)
     }
 
     fn label(&self, shown: &Shown, plotted: &Plotted) -> String {
@@ -142,7 +157,7 @@ impl Plot {
         let shown = match &self.component {
             Some(name) => self.shown(plotted, name)?,
             None if plotted.components.len() == 1 => Shown::Component(0),
-            None => Shown::Magnitude,
+            None => self.magnitude(plotted)?,
         };
         // Where nothing is, a mean of nothing is no value.
         let density = plotted.density.as_ref().filter(|_| is_per_mass(&self.field));
@@ -285,7 +300,10 @@ fn value_of(plotted: &Plotted, cell: usize, shown: &Shown) -> f64 {
 
 /// Whether a field is a quotient by the density.
 fn is_per_mass(field: &str) -> bool {
-    let known =
-        FieldName::ALL.iter().find(|known| known.name() == field || super::fields::mercury_name(known.name()) == field);
-    matches!(known, Some(FieldName::Velocity | FieldName::GranularTemperature | FieldName::Displacement))
+    matches!(known_field(field), Some(FieldName::Velocity | FieldName::GranularTemperature | FieldName::Displacement))
+}
+
+/// Whether components are those of a symmetric tensor in an order that nobody knows.
+fn is_without_order(components: &[String]) -> bool {
+    components.len() == 6 && !components.iter().any(|name| name == "xy")
 }
