@@ -52,8 +52,9 @@ const SINGULAR: f64 = 1e-3;
 ///
 /// Exact for linear fields wherever the neighbours span space, up to the surface and half a spacing beyond. Where A is
 /// singular (fewer than four neighbours, a sheet, a line) Shepard's mean Σ V W f / Σ V W takes its place, and
-/// [`Interpolated::support`] tells where. Mirror images carry the value of their particle, vectors included, so beside
-/// walls normal components are even: what a wall does to a field is the solver's affair.
+/// [`Interpolated::support`] tells where. Periodic images count. Mirror images do not: with the values of their particles
+/// a field's slope would vanish at walls, hydrostatic pressure's too. So linear fields are exact up to walls, from the
+/// particles before them.
 ///
 /// Source: `liu2022`, Sec. 4.3; A as in Belytschko's moving least squares.
 ///
@@ -89,7 +90,7 @@ pub fn interpolate(
     let volumes = checked_volumes(positions, surroundings)?;
     let candidates = surroundings.candidates.as_deref();
     let reach = smoothing.support() * spacing;
-    let grid = surroundings.grid(positions, reach)?;
+    let grid = surroundings.grid_between(&[], positions, reach)?;
     let h = smoothing_length * spacing;
     let kernel = WendlandC2::new(h, 3);
     let width: usize = columns.iter().map(|c| c.components).sum();

@@ -31,11 +31,21 @@ impl Surroundings {
     /// # Errors
     /// The spacing is no length; as [`NeighbourGrid::build`].
     pub fn grid(&self, positions: &[[f64; 3]], reach: f64) -> Result<NeighbourGrid, SurfaceError> {
+        self.grid_between(&self.walls, positions, reach)
+    }
+
+    /// The same, with mirror images behind these walls alone.
+    pub(crate) fn grid_between(
+        &self,
+        walls: &[Wall],
+        positions: &[[f64; 3]],
+        reach: f64,
+    ) -> Result<NeighbourGrid, SurfaceError> {
         check_spacing_value(self.spacing)?;
         let options = NeighbourOptions { reach, dimension: self.dimension, domain: self.domain };
         // Positions that are not finite have no mirror image; the grid names them.
         let images = if positions.iter().all(|p| p.iter().all(|x| x.is_finite())) {
-            wall_images(positions, &self.walls, reach)
+            wall_images(positions, walls, reach)
         } else {
             Vec::new()
         };

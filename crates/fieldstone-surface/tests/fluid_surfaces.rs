@@ -228,6 +228,28 @@ fn moving_least_squares_are_exact_for_linear_fields_in_disorder_and_fall_back_in
 }
 
 #[test]
+fn moving_least_squares_are_exact_for_linear_fields_up_to_walls() {
+    let particles = block([8, 8, 8], 0.3, 3);
+    let pressure: Vec<f64> = particles.iter().map(|p| 9.81 * (8.0 - p[2]) + p[0]).collect();
+    // A stagnation flow: nothing may go through the floor.
+    let velocity: Vec<f64> = particles.iter().flat_map(|p| [0.5 * p[0], 0.5 * p[1], -p[2]]).collect();
+    let columns = [Column { components: 1, data: &pressure }, Column { components: 3, data: &velocity }];
+    let walls = [([0.0, 0.0, 1.0], 0.0), ([1.0, 0.0, 0.0], 0.0), ([-1.0, 0.0, 0.0], -8.0)];
+    let walls = walls.map(|(normal, offset)| Wall::new(normal, offset).unwrap()).to_vec();
+    let surroundings = Surroundings { walls, ..Surroundings::new(1.0) };
+    // On the floor, on its edges with two walls, half a spacing above it and two.
+    let points = [[4.2, 3.9, 0.0], [0.0, 4.0, 0.0], [8.0, 4.0, 0.0], [4.0, 4.0, 0.5], [4.0, 4.0, 2.0]];
+    let found = interpolate(&particles, &surroundings, &columns, &points, 1.5).unwrap();
+    assert_eq!(found.support, [Support::Linear; 5]);
+    for (n, [x, y, z]) in points.into_iter().enumerate() {
+        assert!((found.values[0][n] - (9.81 * (8.0 - z) + x)).abs() < 1e-10, "{n}: {}", found.values[0][n]);
+        for (value, expected) in found.values[1][3 * n..3 * n + 3].iter().zip([0.5 * x, 0.5 * y, -z]) {
+            assert!((value - expected).abs() < 1e-11, "{n}: {value}");
+        }
+    }
+}
+
+#[test]
 fn fields_and_surfaces_do_not_depend_on_the_number_of_threads() {
     let particles = block([8, 7, 6], 0.3, 5);
     for way in WAYS {
