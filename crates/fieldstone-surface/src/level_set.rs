@@ -3,7 +3,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::fluid_region::FluidRegion;
-use crate::{Detection, NodeField, Nodes, Smoothing, SurfaceError, Surroundings, normals};
+use crate::{Detection, NodeField, Nodes, PeriodicFaces, Smoothing, SurfaceError, Surroundings, normals};
 
 /// How the distance from the free surface follows from its particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,13 +26,16 @@ pub struct LevelSetOptions {
     /// Points farther than this from all particles, in spacings, are outside: normals of spray and of rims span planes
     /// that reach into nothing. Half the diagonal of a lattice's cube is 0.87.
     pub cover: f64,
+    /// Whether the fluid ends at the faces of a periodic box.
+    pub periodic_faces: PeriodicFaces,
 }
 
 impl Default for LevelSetOptions {
-    /// The paper's kernel and smoothing length (Wendland C2, h = 2 Δx), blended, 1.2 Δx.
+    /// The paper's kernel and smoothing length (Wendland C2, h = 2 Δx), blended, 1.2 Δx, an end at periodic faces.
     fn default() -> Self {
         let smoothing = Smoothing { kernel: crate::Kernel::WendlandC2, length: 2.0 };
-        Self { smoothing, distance: SurfaceDistance::default(), cover: 1.2 }
+        let (distance, periodic_faces) = (SurfaceDistance::default(), PeriodicFaces::default());
+        Self { smoothing, distance, cover: 1.2, periodic_faces }
     }
 }
 
@@ -72,8 +75,9 @@ enum Shape {
 /// Beyond the paper: where a particle's neighbours lie in a plane, d = −|(x_F − x)·n| with that plane's normal, a sheet Δx
 /// thick. Other particles without a normal, or whose neighbours leave the cones along both n and −n empty, have no side:
 /// there d = 0.62 Δx − Δx/2 − |x − x_F|, a ball of the particle's volume. Distances are blended by default ([`SurfaceDistance`]). Points beyond
-/// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and the faces of a periodic box
-/// end the fluid: nodes where they do are marked in [`NodeField::at_wall`].
+/// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and, where
+/// [`LevelSetOptions::periodic_faces`] says so, the faces of a periodic box end the fluid: nodes where they do are marked
+/// in [`NodeField::at_wall`].
 ///
 /// Cost: a neighbour search per node. The result does not depend on the number of threads.
 ///
@@ -126,7 +130,7 @@ pub fn level_set(
     // Beyond the cover as far as an edge of a cell may reach.
     let seen = (options.cover + 0.5) * spacing;
     let points = surroundings.grid(positions, seen)?;
-    let region = FluidRegion::new(surroundings, seen);
+    let region = FluidRegion::new(surroundings, seen, options.periodic_faces);
     let scale = 2.0 * options.smoothing.length * spacing;
     let surface_value = -0.5 * spacing / scale;
     let value = |node: usize| -> (f64, bool) {

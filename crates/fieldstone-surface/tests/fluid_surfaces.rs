@@ -8,8 +8,9 @@ use std::f64::consts::PI;
 use common::{Uniform, block};
 use fieldstone_particles::Domain;
 use fieldstone_surface::{
-    Column, Exact, LevelSetOptions, NodeField, Nodes, Support, SurfaceDistance, SurfaceOptions, Surroundings, Topology,
-    TriangleMesh, Wall, Walls, density_field, detect_surface, interpolate, iso_surface, level_set,
+    Column, Exact, LevelSetOptions, NodeField, Nodes, PeriodicFaces, Support, SurfaceDistance, SurfaceOptions,
+    Surroundings, Topology, TriangleMesh, Wall, Walls, density_field, detect_surface, interpolate, iso_surface,
+    level_set,
 };
 
 /// Lattice points of unit spacing for which `inside` holds, around an irregular centre.
@@ -44,7 +45,7 @@ const WAYS: [Way; 3] = [Way::LevelSet(SurfaceDistance::Blended), Way::LevelSet(S
 fn field(particles: &[[f64; 3]], surroundings: &Surroundings, cell: f64, way: Way) -> NodeField {
     let nodes = Nodes::around(particles, 1.5, cell).unwrap();
     match way {
-        Way::Density => density_field(particles, surroundings, &nodes, 1.25).unwrap(),
+        Way::Density => density_field(particles, surroundings, &nodes, 1.25, PeriodicFaces::End).unwrap(),
         Way::LevelSet(distance) => {
             let found = detect_surface(particles, &Exact::default(), surroundings, &SurfaceOptions::LABELS).unwrap();
             let options = LevelSetOptions { distance, ..LevelSetOptions::default() };
@@ -189,6 +190,40 @@ fn a_fluid_that_fills_a_periodic_box_sideways_is_closed_at_the_box() {
 }
 
 #[test]
+fn nodes_on_walls_hold_fluid_and_periodic_faces_let_it_pass_where_asked_to() {
+    let particles = block([6, 6, 6], 0.0, 3);
+    let surroundings = Surroundings {
+        domain: Some(Domain::new([0.0; 3], [6.0, 6.0, 20.0], [false, true, false]).unwrap()),
+        // Of no short binary fraction: nodes are on this wall to rounding.
+        walls: vec![Wall::new([0.3, 0.0, 0.1], 0.03).unwrap(), Wall::new([0.0, 0.0, 1.0], 0.0).unwrap()],
+        ..Surroundings::new(1.0)
+    };
+    let found = detect_surface(&particles, &Exact::default(), &surroundings, &SurfaceOptions::LABELS).unwrap();
+    // Three columns of nodes from the floor down to −1, at y = −1, 0, …, 7.
+    let nodes = Nodes::new([2.1, -1.0, -1.0], [1.0; 3], [1, 9, 4]).unwrap();
+    for (periodic_faces, expected) in [
+        (PeriodicFaces::Pass, [true; 9]),
+        (PeriodicFaces::End, {
+            // With an end there the faces themselves are on the surface.
+            [false, true, true, true, true, true, true, true, false]
+        }),
+    ] {
+        let options = LevelSetOptions { periodic_faces, ..LevelSetOptions::default() };
+        let level = level_set(&particles, &surroundings, &found.detection, &nodes, &options).unwrap();
+        let density = density_field(&particles, &surroundings, &nodes, 1.25, periodic_faces).unwrap();
+        for (way, field) in [("level set", level), ("density", density)] {
+            for (j, expected) in expected.into_iter().enumerate() {
+                let column: Vec<bool> = (0..4).map(|k| field.holds_fluid(nodes.node_at([0, j, k]))).collect();
+                assert_eq!(column, [false, expected, expected, expected], "{way} {periodic_faces:?} {j}");
+            }
+        }
+    }
+    let slanted = Nodes::new([0.1, 3.0, 0.0], [1.0; 3], [1; 3]).unwrap();
+    let field = density_field(&particles, &surroundings, &slanted, 1.25, PeriodicFaces::Pass).unwrap();
+    assert!(field.holds_fluid(0), "{:e}", field.values[0] - field.surface_value);
+}
+
+#[test]
 fn boundary_particles_end_the_fluid_half_way_to_them() {
     // Three layers of boundary below a block.
     let particles = block([8, 8, 11], 0.0, 1);
@@ -300,9 +335,19 @@ fn two_dimensions_and_wrong_lengths_are_refused() {
     let particles = block([3, 3, 3], 0.0, 1);
     let nodes = Nodes::around(&particles, 1.0, 0.5).unwrap();
     let flat = Surroundings { dimension: 2, ..Surroundings::new(1.0) };
-    assert!(density_field(&particles, &flat, &nodes, 1.25).unwrap_err().to_string().contains("3 dimensions only"));
+    assert!(
+        density_field(&particles, &flat, &nodes, 1.25, PeriodicFaces::End)
+            .unwrap_err()
+            .to_string()
+            .contains("3 dimensions only")
+    );
     let short = Surroundings { volumes: Some(vec![1.0; 5]), ..Surroundings::new(1.0) };
-    assert!(density_field(&particles, &short, &nodes, 1.25).unwrap_err().to_string().contains("5 entries for 27"));
+    assert!(
+        density_field(&particles, &short, &nodes, 1.25, PeriodicFaces::End)
+            .unwrap_err()
+            .to_string()
+            .contains("5 entries for 27")
+    );
     let columns = [Column { components: 2, data: &[1.0; 27] }];
     let refused = interpolate(&particles, &Surroundings::new(1.0), &columns, &[[0.0; 3]], 1.5).unwrap_err();
     assert!(refused.to_string().contains("27 entries for 54"), "{refused}");

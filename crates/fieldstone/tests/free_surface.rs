@@ -452,6 +452,44 @@ fn shared_out_amounts_that_leave_through_a_periodic_face_come_in_at_the_opposite
 }
 
 #[test]
+fn gridded_pressure_reaches_its_walls_and_periodic_faces_and_an_empty_plane_is_warned_of() {
+    let folder = folder();
+    // The floor's nodes are at multiples of the spacing, as walls of most cases.
+    let base = "grid --particles fluid.csv --spacing 0.1 --fields pressure --wall 0,0,1,0 --wall 1,0,0,0 --periodic y \
+                --box 0,1,0,1,0,2 --out out.vti";
+    for from in ["level-set", "density"] {
+        for (slice, least, beyond) in
+            [("z=0", 100, false), ("y=0", 100, false), ("y=1", 100, false), ("z=0", 100, true)]
+        {
+            let beyond = if beyond { "--beyond-surface" } else { "" };
+            let run = folder.succeeds(&format!("{base} --from {from} --slice {slice} {beyond}"));
+            assert!(!run.stderr.contains("no fluid"), "{}", run.stderr);
+            let found = read_vtk(&folder.path("out.vti")).unwrap();
+            let image = found.image.as_ref().unwrap();
+            let [nx, ny, _] = image.cells.map(|n| n + 1);
+            let column = |name: &str| found.array(name).unwrap().values.to_f64();
+            let (pressure, support) = (column("pressure"), column("support"));
+            let mut linear = 0;
+            for node in (0..image.point_count()).filter(|&n| support[n] == 2.0) {
+                let at = [node % nx, node / nx % ny, node / (nx * ny)];
+                let p: [f64; 3] = std::array::from_fn(|k| image.origin[k] + image.spacing[k] * at[k] as f64);
+                linear += usize::from(p[0] > -1e-9 && p[2] > -1e-9);
+                assert!((pressure[node] - (5.0 - 3.0 * p[2] + p[0])).abs() < 1e-9, "{slice} {p:?}: {}", pressure[node]);
+            }
+            assert!(linear >= least, "{from} {slice}: {linear}");
+        }
+    }
+    let run = folder.succeeds(&base.replace("--out", "--slice z=1.1 --out"));
+    mentions(&run.stderr, &["warning: fluid.csv: --slice z=1.1", "no fluid", "another position", "--beyond-surface"]);
+    // A box full of fluid has fluid at every node that is shared out to.
+    folder.succeeds(
+        "grid --particles fluid.csv --spacing 0.1 --conserve mass --cell 1.3 --periodic xyz --box 0,1,0,1,0,1 --out out.vti",
+    );
+    let support = read_vtk(&folder.path("out.vti")).unwrap().array("support").unwrap().values.to_f64();
+    assert!(support.len() == 729 && support.iter().all(|&how| how == 2.0));
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let folder = folder();
     for (command, out) in

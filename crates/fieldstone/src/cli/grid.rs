@@ -11,7 +11,9 @@ use fieldstone::io::vtk::{VtkArrays, VtkEncoding, VtkImage, write_vti};
 use fieldstone::io::{DataArray, SeriesFrame, Values};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Particles, Quantity};
-use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Surroundings, interpolate};
+use fieldstone::surface::{
+    Column, Interpolated, Nodes, PeriodicFaces, Support, SurfaceError, Surroundings, interpolate,
+};
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes, nodes_of_one_period};
@@ -60,6 +62,8 @@ pub(crate) struct GridFields {
     out: PathBuf,
 }
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// A plane across an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slice {
@@ -73,7 +77,7 @@ impl FromStr for Slice {
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("'{text}' is no plane; give an axis and a position, as in y=0.15");
         let (axis, at) = text.split_once('=').ok_or_else(wrong)?;
-        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(wrong)?;
+        let axis = AXES.iter().position(|name| *name == axis.trim()).ok_or_else(wrong)?;
         let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite()).ok_or_else(wrong)?;
         Ok(Self { axis, at })
     }
@@ -135,16 +139,18 @@ impl GridFields {
                 .slice(axis, at)
                 .map_err(|e| anyhow!("--slice: {file}: {e}"))?,
         };
-        let region = self.fluid.field(frame, &surroundings, &nodes)?;
+        let region = self.fluid.field(frame, &surroundings, &nodes, PeriodicFaces::Pass)?;
         let columns: Vec<Column<'_>> =
             quantities.iter().map(|q| Column { components: q.components, data: &q.data }).collect();
-        let inside: Vec<usize> =
-            (0..nodes.len()).filter(|&n| self.beyond_surface || region.values[n] > region.surface_value).collect();
+        let inside: Vec<usize> = (0..nodes.len()).filter(|&n| self.beyond_surface || region.holds_fluid(n)).collect();
         let points: Vec<[f64; 3]> = inside.iter().map(|&n| nodes.position(n)).collect();
         let positions = frame.particles.positions();
         let found =
             interpolate(positions, &surroundings, &columns, &points, self.interpolation_length).map_err(placed)?;
         let (arrays, support) = spread(&nodes, &inside, &quantities, &found);
+        if support[0] == nodes.len() {
+            report::warn(&format!("{file}: {}", self.why_empty()));
+        }
         let name = if self.fluid.from == Source::Density { "volume_share" } else { "level_set" };
         let mut point_data = vec![DataArray::scalar(name, region.values)];
         point_data.extend(arrays);
@@ -159,6 +165,17 @@ impl GridFields {
             VtkArrays { points: &point_data, cells: &cell_data, time: frame.particles.time(), ..VtkArrays::default() };
         write_vti(path, &image, arrays, VtkEncoding::default())?;
         Ok(Outcome { frame: frame.index, nodes: counts, support, totals })
+    }
+
+    /// What to do where no node holds fluid.
+    fn why_empty(&self) -> String {
+        let (place, remedy) = match self.slice {
+            Some(Slice { axis, at }) => (format!("--slice {}={at}: the plane", AXES[axis]), "choose another position"),
+            None => ("the grid".into(), "the spacing or --from may not fit the particles"),
+        };
+        let more =
+            if self.beyond_surface { "" } else { ", or take what is outside the surface, too, with --beyond-surface" };
+        format!("{place} holds no fluid, so all its values are 0: {remedy}{more}")
     }
 
     fn quantities<'a>(&self, particles: &'a Particles) -> anyhow::Result<Vec<&'a Quantity>> {

@@ -8,7 +8,7 @@ use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtp_surface};
 use fieldstone::io::{DataArray, SeriesFrame, write_obj, write_ply, write_stl};
-use fieldstone::surface::{Column, SurfaceError, TriangleMesh, Walls, interpolate, iso_surface};
+use fieldstone::surface::{Column, PeriodicFaces, SurfaceError, TriangleMesh, Walls, interpolate, iso_surface};
 use serde::Serialize;
 
 use super::arguments::{ending, positive};
@@ -119,7 +119,7 @@ impl Surface {
             quantities.push(column);
         }
         let nodes = nodes(frame, &surroundings, self.cell, 0)?;
-        let field = self.fluid.field(frame, &surroundings, &nodes)?;
+        let field = self.fluid.field(frame, &surroundings, &nodes, PeriodicFaces::End)?;
         let walls = match self.at_walls {
             WallsName::Closed => Walls::Closed,
             WallsName::Open => Walls::Open,
