@@ -2,7 +2,6 @@ use rayon::prelude::*;
 
 use crate::fluid_region::FluidRegion;
 use crate::kernel::{Kernel, Smoothing};
-use crate::level_set::check_three_dimensions;
 use crate::{NodeField, Nodes, PeriodicFaces, SurfaceError, Surroundings, WendlandC2};
 
 /// The share of space that the particles' volumes fill, smoothed: 1 inside the fluid, 0 outside, ½ on the surface.
@@ -11,8 +10,8 @@ use crate::{NodeField, Nodes, PeriodicFaces, SurfaceError, Surroundings, Wendlan
 ///
 /// | symbol | meaning | unit |
 /// |---|---|---|
-/// | V_j | m/ρ, or Δx³ ([`Surroundings::volumes`]) | length³ |
-/// | W | Wendland C2 | length⁻³ |
+/// | V_j | m/ρ, or Δx^d ([`Surroundings::volumes`]) | length^d |
+/// | W | Wendland C2 of d dimensions, 2 or 3 | length^−d |
 /// | h | `smoothing_length` times Δx; 1.25 is a good choice | length |
 ///
 /// The volume inside C = ½ is that of the particles up to O((h/R)²) at a surface of radius of curvature R: at a plane the
@@ -22,7 +21,7 @@ use crate::{NodeField, Nodes, PeriodicFaces, SurfaceError, Surroundings, Wendlan
 /// periodic box is for `periodic_faces` to say.
 ///
 /// # Errors
-/// Two dimensions; a smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
+/// A smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
 ///
 /// ```
 /// use fieldstone_surface::{Nodes, PeriodicFaces, Surroundings, density_field};
@@ -40,21 +39,21 @@ pub fn density_field(
     smoothing_length: f64,
     periodic_faces: PeriodicFaces,
 ) -> Result<NodeField, SurfaceError> {
-    let spacing = surroundings.spacing;
-    check_three_dimensions("density field", surroundings)?;
+    let (spacing, dimension) = (surroundings.spacing, surroundings.dimension);
+    let uniform = spacing.powi(dimension as i32);
     let smoothing = Smoothing { kernel: Kernel::WendlandC2, length: smoothing_length };
     smoothing.validate()?;
     let volumes = checked_volumes(positions, surroundings)?;
     let reach = smoothing.support() * spacing;
     let points = surroundings.grid(positions, reach)?;
     let region = FluidRegion::new(surroundings, reach, periodic_faces);
-    let kernel = WendlandC2::new(smoothing_length * spacing, 3);
+    let kernel = WendlandC2::new(smoothing_length * spacing, dimension);
     let value = |node: usize| -> (f64, bool) {
         let at = nodes.position(node);
         let mut sum = 0.0;
         // The reach is the grid's own.
         let _ = points.for_each_within(at, reach, |particle, _, squared| {
-            sum += volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.value_at_square(squared);
+            sum += volumes.map_or(uniform, |v| v[particle]) * kernel.value_at_square(squared);
         });
         if !region.has_limits() {
             return (sum, false);

@@ -29,7 +29,7 @@ impl Surroundings {
     /// Sorts particles and their images for methods that look as far as `reach`.
     ///
     /// # Errors
-    /// The spacing is no length; as [`NeighbourGrid::build`].
+    /// The spacing is no length; dimensions other than 2 and 3; as [`NeighbourGrid::build`].
     pub fn grid(&self, positions: &[[f64; 3]], reach: f64) -> Result<NeighbourGrid, SurfaceError> {
         self.grid_between(&self.walls, positions, reach)
     }
@@ -42,6 +42,10 @@ impl Surroundings {
         reach: f64,
     ) -> Result<NeighbourGrid, SurfaceError> {
         check_spacing_value(self.spacing)?;
+        if !(2..=3).contains(&self.dimension) {
+            let name = "the number of dimensions";
+            return Err(SurfaceError::Option { name, value: self.dimension as f64, allowed: "2 or 3" });
+        }
         let options = NeighbourOptions { reach, dimension: self.dimension, domain: self.domain };
         // Positions that are not finite have no mirror image; the grid names them.
         let images = if positions.iter().all(|p| p.iter().all(|x| x.is_finite())) {

@@ -331,16 +331,60 @@ fn normals_of_a_sphere_point_outwards() {
 }
 
 #[test]
-fn two_dimensions_and_wrong_lengths_are_refused() {
+fn in_the_plane_areas_are_those_of_the_particles_and_least_squares_are_exact() {
+    let flat = Surroundings { dimension: 2, ..Surroundings::new(1.0) };
+    let area = |particles: &[[f64; 3]], way: Way| {
+        let nodes = Nodes::around(particles, 1.5, 0.125).unwrap().slice(2, 0.0).unwrap();
+        let field = match way {
+            Way::Density => density_field(particles, &flat, &nodes, 1.25, PeriodicFaces::End).unwrap(),
+            Way::LevelSet(distance) => {
+                let found = detect_surface(particles, &Exact::default(), &flat, &SurfaceOptions::LABELS).unwrap();
+                let options = LevelSetOptions { distance, ..LevelSetOptions::default() };
+                level_set(particles, &flat, &found.detection, &nodes, &options).unwrap()
+            }
+        };
+        (0..nodes.len()).filter(|&n| field.holds_fluid(n)).count() as f64 / 64.0
+    };
+    let plane = |points: Vec<[f64; 3]>| -> Vec<[f64; 3]> { points.into_iter().map(|[x, y, _]| [x, y, 0.0]).collect() };
+    let disc = plane(body([12.0, 12.0, 0.0], |[x, y, z]| x.hypot(y) < 12.0 && (0.0..1.0).contains(&z)));
+    assert!((440..470).contains(&disc.len()));
+    let blended = Way::LevelSet(SurfaceDistance::Blended);
+    for way in [blended, Way::Density] {
+        let found = area(&disc, way) / disc.len() as f64;
+        println!("disc {way:?} {found}");
+        assert!((found - 1.0).abs() < 0.04, "{way:?}: {found}");
+    }
+    let lone = vec![[0.2, 0.4, 0.0], [9.0, 1.0, 0.0], [0.3, 7.0, 0.0]];
+    let line: Vec<[f64; 3]> = (0..40).map(|i| [f64::from(i), 0.2, 0.0]).collect();
+    for (name, particles) in [("drops", lone), ("line", line)] {
+        let found = area(&particles, blended) / particles.len() as f64;
+        println!("{name} {found}");
+        assert!((found - 1.0).abs() < 0.15, "{name}: {found}");
+    }
+
+    let particles = plane(block([9, 9, 1], 0.4, 11));
+    let linear = |p: [f64; 3]| 3.0 - 2.0 * p[0] + 0.5 * p[1];
+    let data: Vec<f64> = particles.iter().map(|&p| linear(p)).collect();
+    let mut random = Uniform(5);
+    let points: Vec<[f64; 3]> = (0..200).map(|_| [9.0 * random.number(), 9.0 * random.number(), 0.0]).collect();
+    let found = interpolate(&particles, &flat, &[Column { components: 1, data: &data }], &points, 1.5).unwrap();
+    for ((point, value), support) in points.iter().zip(&found.values[0]).zip(&found.support) {
+        assert_eq!(*support, Support::Linear);
+        assert!((value - linear(*point)).abs() < 1e-10, "{point:?}: {value}");
+    }
+    let row: Vec<[f64; 3]> = (0..10).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let column = Column { components: 1, data: &[7.0; 10] };
+    let found = interpolate(&row, &flat, &[column], &[[4.3, 0.4, 0.0]], 1.5).unwrap();
+    assert!(found.support == [Support::Shepard] && (found.values[0][0] - 7.0).abs() < 1e-13);
+}
+
+#[test]
+fn four_dimensions_and_wrong_lengths_are_refused() {
     let particles = block([3, 3, 3], 0.0, 1);
     let nodes = Nodes::around(&particles, 1.0, 0.5).unwrap();
-    let flat = Surroundings { dimension: 2, ..Surroundings::new(1.0) };
-    assert!(
-        density_field(&particles, &flat, &nodes, 1.25, PeriodicFaces::End)
-            .unwrap_err()
-            .to_string()
-            .contains("3 dimensions only")
-    );
+    let four = Surroundings { dimension: 4, ..Surroundings::new(1.0) };
+    let refused = density_field(&particles, &four, &nodes, 1.25, PeriodicFaces::End).unwrap_err().to_string();
+    assert!(refused.contains("dimensions is 4; it must be 2 or 3"), "{refused}");
     let short = Surroundings { volumes: Some(vec![1.0; 5]), ..Surroundings::new(1.0) };
     assert!(
         density_field(&particles, &short, &nodes, 1.25, PeriodicFaces::End)

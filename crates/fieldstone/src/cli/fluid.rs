@@ -95,6 +95,13 @@ pub(crate) fn nodes(
     let file = frame.path.display();
     let nodes = Nodes::around(&fluid, 1.5 * spacing, cell * spacing)
         .map_err(|e| anyhow!("{file}: --cell, --spacing: {e}; {}", extent(&fluid)))?;
+    let nodes = match fluid.first() {
+        // A flow in the plane has one layer of nodes, at the z of its particles.
+        Some(particle) if surroundings.dimension == 2 => {
+            nodes.slice(2, particle[2]).map_err(|e| anyhow!("{file}: z of the particles: {e}"))?
+        }
+        _ => nodes,
+    };
     check_room(&nodes, numbers, available_memory()).map_err(|e| anyhow!("{file}: {e}; {}", extent(&fluid)))?;
     Ok(nodes)
 }

@@ -25,12 +25,13 @@ use super::{report, sph_checks};
 /// Writes on the grid's nodes level_set (or volume_share with --from density), each column of the particles, interpolated,
 /// and support: 2 linear, 1 weighted mean because the neighbours do not span space, 0 no particle or no fluid. With
 /// --conserve also on its cells the totals of columns, shared out by the exact overlap with balls of the particles'
-/// volumes.
+/// volumes. With --dimension 2 the nodes are one layer, in the plane of the particles.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone grid --particles frame.vtu --spacing 0.01 --out fields.vti\n  \
     fieldstone grid --particles frame.vtu --spacing 0.01 --fields pressure --slice y=0.15 --out slice.vti\n  \
-    fieldstone grid --particles frame.vtu --spacing 0.01 --conserve mass --cell 2 --out mass.vti\n\n\
+    fieldstone grid --particles frame.vtu --spacing 0.01 --conserve mass --cell 2 --out mass.vti\n  \
+    fieldstone grid --particles run/particles.pvd --spacing 0.02 --dimension 2 --wall 0,1,0,0 --out fields.vti\n\n\
     Units: all lengths as in the input.")]
 pub(crate) struct GridFields {
     #[command(flatten)]
@@ -49,7 +50,7 @@ pub(crate) struct GridFields {
     /// Interpolate wherever there are particles near, also outside the fluid's surface
     #[arg(long)]
     beyond_surface: bool,
-    /// Columns of which each particle's amount is shared out among cells, such as mass
+    /// Columns of which each particle's amount is shared out among cells, such as mass; in three dimensions
     ///
     /// Along periodic axes the cells end at the box, and are made to fit into it.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -103,9 +104,7 @@ impl GridFields {
         if ending(&self.out) != "vti" {
             bail!("--out {}: the ending is not known; use .vti", self.out.display());
         }
-        if self.sph.dimension != 3 {
-            bail!("--dimension 2: fields are gridded in three dimensions; --slice gives a plane of them");
-        }
+        self.check_plane()?;
         let inputs = self.sph.inputs();
         out.check(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let (outcomes, paths) = self.sph.each_frame(&out, |frame, path, _| self.frame(frame, path))?;
@@ -115,6 +114,25 @@ impl GridFields {
         }
         let _ = writeln!(text, "written to           {}", written(&paths));
         report::print(&text)
+    }
+
+    /// Refuses what there is in three dimensions alone.
+    fn check_plane(&self) -> anyhow::Result<()> {
+        if self.sph.dimension == 3 {
+            return Ok(());
+        }
+        if let Some(name) = self.conserve.first() {
+            bail!(
+                "--conserve {name}: amounts are shared out by balls, in three dimensions; leave it out with --dimension 2"
+            );
+        }
+        match self.slice {
+            Some(Slice { axis: 2, at }) => bail!(
+                "--slice z={at}: with --dimension 2 the nodes are one layer, in the plane of the particles; leave it out, or \
+                 give a line of them as x=… or y=…"
+            ),
+            _ => Ok(()),
+        }
     }
 
     fn frame(&self, frame: &SeriesFrame, path: &Path) -> anyhow::Result<Outcome> {
