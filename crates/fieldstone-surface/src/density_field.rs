@@ -2,8 +2,7 @@ use rayon::prelude::*;
 
 use crate::fluid_region::FluidRegion;
 use crate::kernel::{Kernel, Smoothing};
-use crate::level_set::check_three_dimensions;
-use crate::{NodeField, Nodes, SurfaceError, Surroundings, WendlandC2};
+use crate::{NodeField, Nodes, PeriodicFaces, SurfaceError, Surroundings, WendlandC2};
 
 /// The share of space that the particles' volumes fill, smoothed: 1 inside the fluid, 0 outside, ½ on the surface.
 ///
@@ -11,23 +10,24 @@ use crate::{NodeField, Nodes, SurfaceError, Surroundings, WendlandC2};
 ///
 /// | symbol | meaning | unit |
 /// |---|---|---|
-/// | V_j | m/ρ, or Δx³ ([`Surroundings::volumes`]) | length³ |
-/// | W | Wendland C2 | length⁻³ |
+/// | V_j | m/ρ, or Δx^d ([`Surroundings::volumes`]) | length^d |
+/// | W | Wendland C2 of d dimensions, 2 or 3 | length^−d |
 /// | h | `smoothing_length` times Δx; 1.25 is a good choice | length |
 ///
 /// The volume inside C = ½ is that of the particles up to O((h/R)²) at a surface of radius of curvature R: at a plane the
 /// errors of both sides cancel. Needs no labels and no normals. Drops of a few particles and sheets thinner than about h
 /// vanish: [`level_set`](crate::level_set) keeps them. Mirror images, boundary particles and periodic images count, and
-/// where the fluid ends because of them the field is cut ([`NodeField::at_wall`]).
+/// where the fluid ends because of them the field is cut ([`NodeField::at_wall`]); whether it does at the faces of a
+/// periodic box is for `periodic_faces` to say.
 ///
 /// # Errors
-/// Two dimensions; a smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
+/// A smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
 ///
 /// ```
-/// use fieldstone_surface::{Nodes, Surroundings, density_field};
+/// use fieldstone_surface::{Nodes, PeriodicFaces, Surroundings, density_field};
 /// // At a particle that is alone: Δx³ W(0) = 21/(16 π h³), here with Δx = 1 and h = 1.25.
 /// let nodes = Nodes::new([0.0; 3], [1.0; 3], [2; 3])?;
-/// let field = density_field(&[[0.0; 3]], &Surroundings::new(1.0), &nodes, 1.25)?;
+/// let field = density_field(&[[0.0; 3]], &Surroundings::new(1.0), &nodes, 1.25, PeriodicFaces::End)?;
 /// let expected = 21.0 / (16.0 * std::f64::consts::PI * 1.25f64.powi(3));
 /// assert!((field.values[0] - expected).abs() < 1e-15);
 /// # Ok::<(), fieldstone_surface::SurfaceError>(())
@@ -37,22 +37,23 @@ pub fn density_field(
     surroundings: &Surroundings,
     nodes: &Nodes,
     smoothing_length: f64,
+    periodic_faces: PeriodicFaces,
 ) -> Result<NodeField, SurfaceError> {
-    let spacing = surroundings.spacing;
-    check_three_dimensions("density field", surroundings)?;
+    let (spacing, dimension) = (surroundings.spacing, surroundings.dimension);
+    let uniform = spacing.powi(dimension as i32);
     let smoothing = Smoothing { kernel: Kernel::WendlandC2, length: smoothing_length };
     smoothing.validate()?;
     let volumes = checked_volumes(positions, surroundings)?;
     let reach = smoothing.support() * spacing;
     let points = surroundings.grid(positions, reach)?;
-    let region = FluidRegion::new(surroundings, reach);
-    let kernel = WendlandC2::new(smoothing_length * spacing, 3);
+    let region = FluidRegion::new(surroundings, reach, periodic_faces);
+    let kernel = WendlandC2::new(smoothing_length * spacing, dimension);
     let value = |node: usize| -> (f64, bool) {
         let at = nodes.position(node);
         let mut sum = 0.0;
         // The reach is the grid's own.
         let _ = points.for_each_within(at, reach, |particle, _, squared| {
-            sum += volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.value_at_square(squared);
+            sum += volumes.map_or(uniform, |v| v[particle]) * kernel.value_at_square(squared);
         });
         if !region.has_limits() {
             return (sum, false);

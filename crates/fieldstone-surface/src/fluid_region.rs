@@ -4,6 +4,16 @@ use fieldstone_particles::{Domain, NeighbourGrid};
 
 use crate::{Surroundings, Wall};
 
+/// Whether the fluid ends at the faces of a periodic box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PeriodicFaces {
+    /// It does: surfaces close around what one box holds.
+    #[default]
+    End,
+    /// It goes on through them: quantities on the faces, and beyond them, are those of the particles' images.
+    Pass,
+}
+
 /// What limits the fluid beside its free surface.
 pub(crate) struct FluidRegion<'a> {
     walls: &'a [Wall],
@@ -21,10 +31,10 @@ pub(crate) struct Within {
 }
 
 impl<'a> FluidRegion<'a> {
-    pub(crate) fn new(surroundings: &'a Surroundings, reach: f64) -> Self {
+    pub(crate) fn new(surroundings: &'a Surroundings, reach: f64, faces: PeriodicFaces) -> Self {
         Self {
             walls: &surroundings.walls,
-            domain: surroundings.domain.as_ref(),
+            domain: surroundings.domain.as_ref().filter(|_| faces == PeriodicFaces::End),
             candidates: surroundings.candidates.as_deref(),
             reach,
         }

@@ -3,7 +3,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::fluid_region::FluidRegion;
-use crate::{Detection, NodeField, Nodes, Smoothing, SurfaceError, Surroundings, normals};
+use crate::{Detection, NodeField, Nodes, PeriodicFaces, Smoothing, SurfaceError, Surroundings, normals};
 
 /// How the distance from the free surface follows from its particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,13 +26,16 @@ pub struct LevelSetOptions {
     /// Points farther than this from all particles, in spacings, are outside: normals of spray and of rims span planes
     /// that reach into nothing. Half the diagonal of a lattice's cube is 0.87.
     pub cover: f64,
+    /// Whether the fluid ends at the faces of a periodic box.
+    pub periodic_faces: PeriodicFaces,
 }
 
 impl Default for LevelSetOptions {
-    /// The paper's kernel and smoothing length (Wendland C2, h = 2 Δx), blended, 1.2 Δx.
+    /// The paper's kernel and smoothing length (Wendland C2, h = 2 Δx), blended, 1.2 Δx, an end at periodic faces.
     fn default() -> Self {
         let smoothing = Smoothing { kernel: crate::Kernel::WendlandC2, length: 2.0 };
-        Self { smoothing, distance: SurfaceDistance::default(), cover: 1.2 }
+        let (distance, periodic_faces) = (SurfaceDistance::default(), PeriodicFaces::default());
+        Self { smoothing, distance, cover: 1.2, periodic_faces }
     }
 }
 
@@ -46,17 +49,20 @@ const DENSE: f64 = 0.9;
 const FLAT: f64 = 0.08;
 
 /// Radius of the ball that has a particle's volume, over the spacing: (3/4π)^{1/3}.
-const VOLUME_RADIUS: f64 = 0.620_350_490_899_400_1;
+const BALL: f64 = 0.620_350_490_899_400_1;
+
+/// In the plane that of the circle: π^{−1/2}.
+const CIRCLE: f64 = 0.564_189_583_547_756_3;
 
 /// What a surface particle says about the points near it.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
     /// Fluid on one side of a plane, the normal outwards.
     Side(DVec3),
-    /// A sheet of one layer: its normal, and at a rim the outward direction in its plane, else zero.
+    /// A sheet of one layer, in the plane a line: its normal, and at a rim the outward direction along it, else zero.
     Sheet(DVec3, DVec3),
-    /// Spray: a ball.
-    Drop,
+    /// Spray: a ball of this radius over the spacing.
+    Drop(f64),
 }
 
 /// The level set of the free surface: φ > φ₀ inside the fluid, φ₀ = −Δx/4h on the surface, from −1 to 1.
@@ -71,16 +77,18 @@ enum Shape {
 ///
 /// Beyond the paper: where a particle's neighbours lie in a plane, d = −|(x_F − x)·n| with that plane's normal, a sheet Δx
 /// thick. Other particles without a normal, or whose neighbours leave the cones along both n and −n empty, have no side:
-/// there d = 0.62 Δx − Δx/2 − |x − x_F|, a ball of the particle's volume. Distances are blended by default ([`SurfaceDistance`]). Points beyond
-/// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and the faces of a periodic box
-/// end the fluid: nodes where they do are marked in [`NodeField::at_wall`].
+/// there d = 0.62 Δx − Δx/2 − |x − x_F|, a ball of the particle's volume. In two dimensions lines are what sheets are in
+/// three, and circles of 0.56 Δx what balls are; nodes are then one layer, at any z. Distances are blended by default ([`SurfaceDistance`]). Points beyond
+/// [`LevelSetOptions::cover`] are outside. Walls, boundary particles (half way to them) and, where
+/// [`LevelSetOptions::periodic_faces`] says so, the faces of a periodic box end the fluid: nodes where they do are marked
+/// in [`NodeField::at_wall`].
 ///
 /// Cost: a neighbour search per node. The result does not depend on the number of threads.
 ///
 /// Source: `liu2022`, Eq. 33, 34; `marrone2010`.
 ///
 /// # Errors
-/// Two dimensions; a label or position too few; as [`normals`].
+/// A label or position too few; a cover outside 1 to 4; as [`normals`].
 ///
 /// ```
 /// use fieldstone_surface::{Exact, LevelSetOptions, Nodes, SurfaceOptions, Surroundings, detect_surface, level_set};
@@ -103,8 +111,7 @@ pub fn level_set(
     nodes: &Nodes,
     options: &LevelSetOptions,
 ) -> Result<NodeField, SurfaceError> {
-    let spacing = surroundings.spacing;
-    check_three_dimensions("level set", surroundings)?;
+    let (spacing, dimension) = (surroundings.spacing, surroundings.dimension);
     if detection.len() != positions.len() {
         return Err(SurfaceError::Length { name: "labels", found: detection.len(), expected: positions.len() });
     }
@@ -121,12 +128,12 @@ pub fn level_set(
 
     let surface: Vec<[f64; 3]> = members.iter().map(|&i| positions[i]).collect();
     let reach = (2.0 * options.smoothing.length + 1.0) * spacing;
-    let search = NeighbourOptions { reach: reach + BLEND * spacing, dimension: 3, domain: surroundings.domain };
+    let search = NeighbourOptions { reach: reach + BLEND * spacing, dimension, domain: surroundings.domain };
     let near = NeighbourGrid::build(&surface, search)?;
     // Beyond the cover as far as an edge of a cell may reach.
     let seen = (options.cover + 0.5) * spacing;
     let points = surroundings.grid(positions, seen)?;
-    let region = FluidRegion::new(surroundings, seen);
+    let region = FluidRegion::new(surroundings, seen, options.periodic_faces);
     let scale = 2.0 * options.smoothing.length * spacing;
     let surface_value = -0.5 * spacing / scale;
     let value = |node: usize| -> (f64, bool) {
@@ -151,13 +158,6 @@ pub fn level_set(
     Ok(NodeField { nodes: nodes.clone(), values: pairs.into_iter().map(|p| p.0).collect(), surface_value, at_wall })
 }
 
-pub(crate) fn check_three_dimensions(method: &'static str, surroundings: &Surroundings) -> Result<(), SurfaceError> {
-    if surroundings.dimension == 3 {
-        return Ok(());
-    }
-    Err(SurfaceError::Dimension { method, dimension: surroundings.dimension, supported: 3 })
-}
-
 fn shape(grid: &NeighbourGrid, particle: usize, normal: DVec3, radius: f64) -> Shape {
     // Cone of 45°, the paper's.
     let cosine = std::f64::consts::FRAC_1_SQRT_2;
@@ -172,19 +172,26 @@ fn shape(grid: &NeighbourGrid, particle: usize, normal: DVec3, radius: f64) -> S
     };
     // The particle exists, and the grid was built for this radius.
     let _ = grid.for_each_neighbour(particle, radius, visit);
+    let in_plane = grid.dimension() == 2;
     let trace = scatter.x_axis.x + scatter.y_axis.y + scatter.z_axis.z;
     if trace > 0.0 {
-        let thin = smallest_direction(scatter * (1.0 / trace));
+        let thin = if in_plane {
+            let along = dominant_direction(scatter * (1.0 / trace));
+            DVec3::new(-along.y, along.x, 0.0)
+        } else {
+            smallest_direction(scatter * (1.0 / trace))
+        };
         let least = thin.dot(scatter * thin) / trace;
-        // Of a line of particles two eigenvalues are small.
+        // Of a line of particles two eigenvalues are small; in the plane a line is the sheet.
         let middle = 1.0 - least - largest_eigenvalue(scatter * (1.0 / trace));
-        if least < FLAT && middle > 2.0 * FLAT {
+        if least < FLAT && (in_plane || middle > 2.0 * FLAT) {
             let along = normal - thin * normal.dot(thin);
             let rim = if along.length() > 0.5 { along.normalize() } else { DVec3::ZERO };
             return Shape::Sheet(thin, rim);
         }
     }
-    if behind && normal != DVec3::ZERO { Shape::Side(normal) } else { Shape::Drop }
+    let drop = Shape::Drop(if in_plane { CIRCLE } else { BALL });
+    if behind && normal != DVec3::ZERO { Shape::Side(normal) } else { drop }
 }
 
 /// Direction of the smallest eigenvalue of a symmetric matrix of trace 1 without negative ones.
@@ -216,7 +223,7 @@ fn distance(shape: Shape, displacement: [f64; 3], squared: f64, spacing: f64) ->
         Shape::Side(normal) => to.dot(normal),
         Shape::Sheet(normal, rim) if rim == DVec3::ZERO => -to.dot(normal).abs(),
         Shape::Sheet(normal, rim) => to.dot(rim).min(-to.dot(normal).abs()),
-        Shape::Drop => (VOLUME_RADIUS - 0.5) * spacing - squared.sqrt(),
+        Shape::Drop(radius) => (radius - 0.5) * spacing - squared.sqrt(),
     }
 }
 

@@ -79,6 +79,7 @@ pub use error::SurfaceError;
 pub use estimate_spacing::estimate_spacing;
 pub use exact::{Exact, WitnessCache};
 pub use exposure::{Exposure, exposure};
+pub use fluid_region::PeriodicFaces;
 pub use geometrical::Geometrical;
 pub use haque::Haque;
 pub use iso_surface::{Walls, iso_surface};

@@ -3,7 +3,6 @@ use rayon::prelude::*;
 
 use crate::density_field::checked_volumes;
 use crate::kernel::{Kernel, Smoothing};
-use crate::level_set::check_three_dimensions;
 use crate::{SurfaceError, Surroundings, WendlandC2};
 
 /// How the values at a point were found.
@@ -47,18 +46,19 @@ const SINGULAR: f64 = 1e-3;
 /// | symbol | meaning | unit |
 /// |---|---|---|
 /// | f_j | a quantity of fluid particle j; boundary particles do not count | the quantity's |
-/// | W_j | Wendland C2 at \|x − x_j\| with h = `smoothing_length` Δx; 1.5 is a good choice | length⁻³ |
-/// | A | moment matrix, 4 × 4 | – |
+/// | W_j | Wendland C2 at \|x − x_j\| with h = `smoothing_length` Δx; 1.5 is a good choice | length^−d |
+/// | A | moment matrix, 4 × 4, in two dimensions 3 × 3 | – |
 ///
 /// Exact for linear fields wherever the neighbours span space, up to the surface and half a spacing beyond. Where A is
-/// singular (fewer than four neighbours, a sheet, a line) Shepard's mean Σ V W f / Σ V W takes its place, and
-/// [`Interpolated::support`] tells where. Mirror images carry the value of their particle, vectors included, so beside
-/// walls normal components are even: what a wall does to a field is the solver's affair.
+/// singular (fewer than four neighbours, a sheet, a line; in the plane fewer than three, a line) Shepard's mean Σ V W f / Σ V W takes its place, and
+/// [`Interpolated::support`] tells where. Periodic images count. Mirror images do not: with the values of their particles
+/// a field's slope would vanish at walls, hydrostatic pressure's too. So linear fields are exact up to walls, from the
+/// particles before them.
 ///
 /// Source: `liu2022`, Sec. 4.3; A as in Belytschko's moving least squares.
 ///
 /// # Errors
-/// Two dimensions; a column of the wrong length; a smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
+/// A column of the wrong length; a smoothing length outside 0.5 to 20; as [`Surroundings::grid`].
 ///
 /// ```
 /// use fieldstone_surface::{Column, Surroundings, interpolate};
@@ -76,8 +76,8 @@ pub fn interpolate(
     points: &[[f64; 3]],
     smoothing_length: f64,
 ) -> Result<Interpolated, SurfaceError> {
-    let spacing = surroundings.spacing;
-    check_three_dimensions("interpolation", surroundings)?;
+    let (spacing, dimension) = (surroundings.spacing, surroundings.dimension);
+    let uniform = spacing.powi(dimension as i32);
     let smoothing = Smoothing { kernel: Kernel::WendlandC2, length: smoothing_length };
     smoothing.validate()?;
     for column in columns {
@@ -89,9 +89,9 @@ pub fn interpolate(
     let volumes = checked_volumes(positions, surroundings)?;
     let candidates = surroundings.candidates.as_deref();
     let reach = smoothing.support() * spacing;
-    let grid = surroundings.grid(positions, reach)?;
+    let grid = surroundings.grid_between(&[], positions, reach)?;
     let h = smoothing_length * spacing;
-    let kernel = WendlandC2::new(h, 3);
+    let kernel = WendlandC2::new(h, dimension);
     let width: usize = columns.iter().map(|c| c.components).sum();
 
     let at_point = |point: &[f64; 3]| -> (Vec<f64>, Support) {
@@ -99,7 +99,7 @@ pub fn interpolate(
         let mut moments = DMat4::ZERO;
         // The reach is the grid's own.
         let _ = grid.for_each_within(*point, reach, |particle, [x, y, z], squared| {
-            let weight = volumes.map_or(spacing.powi(3), |v| v[particle]) * kernel.value_at_square(squared);
+            let weight = volumes.map_or(uniform, |v| v[particle]) * kernel.value_at_square(squared);
             if weight > 0.0 && candidates.is_none_or(|c| c[particle]) {
                 let p = DVec4::new(1.0, x / h, y / h, z / h);
                 moments +=
@@ -111,6 +111,10 @@ pub fn interpolate(
         let total = moments.x_axis.x;
         if neighbours.is_empty() || total <= 0.0 {
             return (values, Support::None);
+        }
+        if dimension == 2 {
+            // There is no slope along z: a row of its own keeps the other three apart.
+            moments.w_axis.w = 1.0;
         }
         let solved = first_column_of_inverse(&moments);
         let coefficients = solved.unwrap_or(DVec4::new(1.0 / total, 0.0, 0.0, 0.0));

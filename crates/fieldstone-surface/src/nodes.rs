@@ -150,3 +150,13 @@ pub struct NodeField {
     /// of a free surface. Empty where there is nothing of the kind.
     pub at_wall: Vec<bool>,
 }
+
+/// Share of the field's range within which a node counts as on the surface: what rounding leaves on walls.
+const ON_SURFACE: f64 = 1e-9;
+
+impl NodeField {
+    /// Whether a node is in the fluid, or on its surface or a wall to rounding: where quantities of it have values.
+    pub fn holds_fluid(&self, node: usize) -> bool {
+        self.values[node] >= self.surface_value - ON_SURFACE
+    }
+}

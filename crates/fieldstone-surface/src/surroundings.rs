@@ -29,12 +29,26 @@ impl Surroundings {
     /// Sorts particles and their images for methods that look as far as `reach`.
     ///
     /// # Errors
-    /// The spacing is no length; as [`NeighbourGrid::build`].
+    /// The spacing is no length; dimensions other than 2 and 3; as [`NeighbourGrid::build`].
     pub fn grid(&self, positions: &[[f64; 3]], reach: f64) -> Result<NeighbourGrid, SurfaceError> {
+        self.grid_between(&self.walls, positions, reach)
+    }
+
+    /// The same, with mirror images behind these walls alone.
+    pub(crate) fn grid_between(
+        &self,
+        walls: &[Wall],
+        positions: &[[f64; 3]],
+        reach: f64,
+    ) -> Result<NeighbourGrid, SurfaceError> {
         check_spacing_value(self.spacing)?;
+        if !(2..=3).contains(&self.dimension) {
+            let name = "the number of dimensions";
+            return Err(SurfaceError::Option { name, value: self.dimension as f64, allowed: "2 or 3" });
+        }
         // Positions that are not finite have no mirror image; the grid names them.
         let images = if positions.iter().all(|p| p.iter().all(|x| x.is_finite())) {
-            wall_images(positions, &self.walls, reach)
+            wall_images(positions, walls, reach)
         } else {
             Vec::new()
         };

@@ -8,8 +8,9 @@ use std::f64::consts::PI;
 use common::block;
 use fieldstone_particles::Domain;
 use fieldstone_surface::{
-    Column, Exact, LevelSetOptions, NodeField, Nodes, Support, SurfaceDistance, SurfaceOptions, Surroundings, Topology,
-    TriangleMesh, Wall, Walls, density_field, detect_surface, interpolate, iso_surface, level_set,
+    Column, Exact, LevelSetOptions, NodeField, Nodes, PeriodicFaces, Support, SurfaceDistance, SurfaceOptions,
+    Surroundings, Topology, TriangleMesh, Wall, Walls, density_field, detect_surface, interpolate, iso_surface,
+    level_set,
 };
 use fieldstone_testing::Random;
 
@@ -45,7 +46,7 @@ const WAYS: [Way; 3] = [Way::LevelSet(SurfaceDistance::Blended), Way::LevelSet(S
 fn field(particles: &[[f64; 3]], surroundings: &Surroundings, cell: f64, way: Way) -> NodeField {
     let nodes = Nodes::around(particles, 1.5, cell).unwrap();
     match way {
-        Way::Density => density_field(particles, surroundings, &nodes, 1.25).unwrap(),
+        Way::Density => density_field(particles, surroundings, &nodes, 1.25, PeriodicFaces::End).unwrap(),
         Way::LevelSet(distance) => {
             let found = detect_surface(particles, &Exact::default(), surroundings, &SurfaceOptions::LABELS).unwrap();
             let options = LevelSetOptions { distance, ..LevelSetOptions::default() };
@@ -190,6 +191,40 @@ fn a_fluid_that_fills_a_periodic_box_sideways_is_closed_at_the_box() {
 }
 
 #[test]
+fn nodes_on_walls_hold_fluid_and_periodic_faces_let_it_pass_where_asked_to() {
+    let particles = block([6, 6, 6], 0.0, 3);
+    let surroundings = Surroundings {
+        domain: Some(Domain::new([0.0; 3], [6.0, 6.0, 20.0], [false, true, false]).unwrap()),
+        // Of no short binary fraction: nodes are on this wall to rounding.
+        walls: vec![Wall::new([0.3, 0.0, 0.1], 0.03).unwrap(), Wall::new([0.0, 0.0, 1.0], 0.0).unwrap()],
+        ..Surroundings::new(1.0)
+    };
+    let found = detect_surface(&particles, &Exact::default(), &surroundings, &SurfaceOptions::LABELS).unwrap();
+    // Three columns of nodes from the floor down to −1, at y = −1, 0, …, 7.
+    let nodes = Nodes::new([2.1, -1.0, -1.0], [1.0; 3], [1, 9, 4]).unwrap();
+    for (periodic_faces, expected) in [
+        (PeriodicFaces::Pass, [true; 9]),
+        (PeriodicFaces::End, {
+            // With an end there the faces themselves are on the surface.
+            [false, true, true, true, true, true, true, true, false]
+        }),
+    ] {
+        let options = LevelSetOptions { periodic_faces, ..LevelSetOptions::default() };
+        let level = level_set(&particles, &surroundings, &found.detection, &nodes, &options).unwrap();
+        let density = density_field(&particles, &surroundings, &nodes, 1.25, periodic_faces).unwrap();
+        for (way, field) in [("level set", level), ("density", density)] {
+            for (j, expected) in expected.into_iter().enumerate() {
+                let column: Vec<bool> = (0..4).map(|k| field.holds_fluid(nodes.node_at([0, j, k]))).collect();
+                assert_eq!(column, [false, expected, expected, expected], "{way} {periodic_faces:?} {j}");
+            }
+        }
+    }
+    let slanted = Nodes::new([0.1, 3.0, 0.0], [1.0; 3], [1; 3]).unwrap();
+    let field = density_field(&particles, &surroundings, &slanted, 1.25, PeriodicFaces::Pass).unwrap();
+    assert!(field.holds_fluid(0), "{:e}", field.values[0] - field.surface_value);
+}
+
+#[test]
 fn boundary_particles_end_the_fluid_half_way_to_them() {
     // Three layers of boundary below a block.
     let particles = block([8, 8, 11], 0.0, 1);
@@ -226,6 +261,28 @@ fn moving_least_squares_are_exact_for_linear_fields_in_disorder_and_fall_back_in
     let found = interpolate(&sheet, &Surroundings::new(1.0), &columns, &points, 1.5).unwrap();
     assert_eq!(found.support, [Support::Shepard, Support::None]);
     assert!(found.values[0][..2].iter().all(|v| (v - 7.0).abs() < 1e-13) && found.values[0][2..] == [0.0; 2]);
+}
+
+#[test]
+fn moving_least_squares_are_exact_for_linear_fields_up_to_walls() {
+    let particles = block([8, 8, 8], 0.3, 3);
+    let pressure: Vec<f64> = particles.iter().map(|p| 9.81 * (8.0 - p[2]) + p[0]).collect();
+    // A stagnation flow: nothing may go through the floor.
+    let velocity: Vec<f64> = particles.iter().flat_map(|p| [0.5 * p[0], 0.5 * p[1], -p[2]]).collect();
+    let columns = [Column { components: 1, data: &pressure }, Column { components: 3, data: &velocity }];
+    let walls = [([0.0, 0.0, 1.0], 0.0), ([1.0, 0.0, 0.0], 0.0), ([-1.0, 0.0, 0.0], -8.0)];
+    let walls = walls.map(|(normal, offset)| Wall::new(normal, offset).unwrap()).to_vec();
+    let surroundings = Surroundings { walls, ..Surroundings::new(1.0) };
+    // On the floor, on its edges with two walls, half a spacing above it and two.
+    let points = [[4.2, 3.9, 0.0], [0.0, 4.0, 0.0], [8.0, 4.0, 0.0], [4.0, 4.0, 0.5], [4.0, 4.0, 2.0]];
+    let found = interpolate(&particles, &surroundings, &columns, &points, 1.5).unwrap();
+    assert_eq!(found.support, [Support::Linear; 5]);
+    for (n, [x, y, z]) in points.into_iter().enumerate() {
+        assert!((found.values[0][n] - (9.81 * (8.0 - z) + x)).abs() < 1e-10, "{n}: {}", found.values[0][n]);
+        for (value, expected) in found.values[1][3 * n..3 * n + 3].iter().zip([0.5 * x, 0.5 * y, -z]) {
+            assert!((value - expected).abs() < 1e-11, "{n}: {value}");
+        }
+    }
 }
 
 #[test]
@@ -275,13 +332,67 @@ fn normals_of_a_sphere_point_outwards() {
 }
 
 #[test]
-fn two_dimensions_and_wrong_lengths_are_refused() {
+fn in_the_plane_areas_are_those_of_the_particles_and_least_squares_are_exact() {
+    let flat = Surroundings { dimension: 2, ..Surroundings::new(1.0) };
+    let area = |particles: &[[f64; 3]], way: Way| {
+        let nodes = Nodes::around(particles, 1.5, 0.125).unwrap().slice(2, 0.0).unwrap();
+        let field = match way {
+            Way::Density => density_field(particles, &flat, &nodes, 1.25, PeriodicFaces::End).unwrap(),
+            Way::LevelSet(distance) => {
+                let found = detect_surface(particles, &Exact::default(), &flat, &SurfaceOptions::LABELS).unwrap();
+                let options = LevelSetOptions { distance, ..LevelSetOptions::default() };
+                level_set(particles, &flat, &found.detection, &nodes, &options).unwrap()
+            }
+        };
+        (0..nodes.len()).filter(|&n| field.holds_fluid(n)).count() as f64 / 64.0
+    };
+    let plane = |points: Vec<[f64; 3]>| -> Vec<[f64; 3]> { points.into_iter().map(|[x, y, _]| [x, y, 0.0]).collect() };
+    let disc = plane(body([12.0, 12.0, 0.0], |[x, y, z]| x.hypot(y) < 12.0 && (0.0..1.0).contains(&z)));
+    assert!((440..470).contains(&disc.len()));
+    let blended = Way::LevelSet(SurfaceDistance::Blended);
+    for way in [blended, Way::Density] {
+        let found = area(&disc, way) / disc.len() as f64;
+        println!("disc {way:?} {found}");
+        assert!((found - 1.0).abs() < 0.04, "{way:?}: {found}");
+    }
+    let lone = vec![[0.2, 0.4, 0.0], [9.0, 1.0, 0.0], [0.3, 7.0, 0.0]];
+    let line: Vec<[f64; 3]> = (0..40).map(|i| [f64::from(i), 0.2, 0.0]).collect();
+    for (name, particles) in [("drops", lone), ("line", line)] {
+        let found = area(&particles, blended) / particles.len() as f64;
+        println!("{name} {found}");
+        assert!((found - 1.0).abs() < 0.15, "{name}: {found}");
+    }
+
+    let particles = plane(block([9, 9, 1], 0.4, 11));
+    let linear = |p: [f64; 3]| 3.0 - 2.0 * p[0] + 0.5 * p[1];
+    let data: Vec<f64> = particles.iter().map(|&p| linear(p)).collect();
+    let mut random = Random(5);
+    let points: Vec<[f64; 3]> = (0..200).map(|_| [random.uniform(0.0, 9.0), random.uniform(0.0, 9.0), 0.0]).collect();
+    let found = interpolate(&particles, &flat, &[Column { components: 1, data: &data }], &points, 1.5).unwrap();
+    for ((point, value), support) in points.iter().zip(&found.values[0]).zip(&found.support) {
+        assert_eq!(*support, Support::Linear);
+        assert!((value - linear(*point)).abs() < 1e-10, "{point:?}: {value}");
+    }
+    let row: Vec<[f64; 3]> = (0..10).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let column = Column { components: 1, data: &[7.0; 10] };
+    let found = interpolate(&row, &flat, &[column], &[[4.3, 0.4, 0.0]], 1.5).unwrap();
+    assert!(found.support == [Support::Shepard] && (found.values[0][0] - 7.0).abs() < 1e-13);
+}
+
+#[test]
+fn four_dimensions_and_wrong_lengths_are_refused() {
     let particles = block([3, 3, 3], 0.0, 1);
     let nodes = Nodes::around(&particles, 1.0, 0.5).unwrap();
-    let flat = Surroundings { dimension: 2, ..Surroundings::new(1.0) };
-    assert!(density_field(&particles, &flat, &nodes, 1.25).unwrap_err().to_string().contains("3 dimensions only"));
+    let four = Surroundings { dimension: 4, ..Surroundings::new(1.0) };
+    let refused = density_field(&particles, &four, &nodes, 1.25, PeriodicFaces::End).unwrap_err().to_string();
+    assert!(refused.contains("dimensions is 4; it must be 2 or 3"), "{refused}");
     let short = Surroundings { volumes: Some(vec![1.0; 5]), ..Surroundings::new(1.0) };
-    assert!(density_field(&particles, &short, &nodes, 1.25).unwrap_err().to_string().contains("5 entries for 27"));
+    assert!(
+        density_field(&particles, &short, &nodes, 1.25, PeriodicFaces::End)
+            .unwrap_err()
+            .to_string()
+            .contains("5 entries for 27")
+    );
     let columns = [Column { components: 2, data: &[1.0; 27] }];
     let refused = interpolate(&particles, &Surroundings::new(1.0), &columns, &[[0.0; 3]], 1.5).unwrap_err();
     assert!(refused.to_string().contains("27 entries for 54"), "{refused}");

@@ -452,6 +452,86 @@ fn shared_out_amounts_that_leave_through_a_periodic_face_come_in_at_the_opposite
 }
 
 #[test]
+fn gridded_pressure_reaches_its_walls_and_periodic_faces_and_an_empty_plane_is_warned_of() {
+    let folder = folder();
+    // The floor's nodes are at multiples of the spacing, as walls of most cases.
+    let base = "grid --particles fluid.csv --spacing 0.1 --fields pressure --wall 0,0,1,0 --wall 1,0,0,0 --periodic y \
+                --box 0,1,0,1,0,2 --out out.vti";
+    for from in ["level-set", "density"] {
+        for (slice, least, beyond) in
+            [("z=0", 100, false), ("y=0", 100, false), ("y=1", 100, false), ("z=0", 100, true)]
+        {
+            let beyond = if beyond { "--beyond-surface" } else { "" };
+            let run = folder.succeeds(&format!("{base} --from {from} --slice {slice} {beyond}"));
+            assert!(!run.stderr.contains("no fluid"), "{}", run.stderr);
+            let found = read_vtk(&folder.path("out.vti")).unwrap();
+            let image = found.image.as_ref().unwrap();
+            let [nx, ny, _] = image.cells.map(|n| n + 1);
+            let column = |name: &str| found.array(name).unwrap().values.to_f64();
+            let (pressure, support) = (column("pressure"), column("support"));
+            let mut linear = 0;
+            for node in (0..image.point_count()).filter(|&n| support[n] == 2.0) {
+                let at = [node % nx, node / nx % ny, node / (nx * ny)];
+                let p: [f64; 3] = std::array::from_fn(|k| image.origin[k] + image.spacing[k] * at[k] as f64);
+                linear += usize::from(p[0] > -1e-9 && p[2] > -1e-9);
+                assert!((pressure[node] - (5.0 - 3.0 * p[2] + p[0])).abs() < 1e-9, "{slice} {p:?}: {}", pressure[node]);
+            }
+            assert!(linear >= least, "{from} {slice}: {linear}");
+        }
+    }
+    let run = folder.succeeds(&base.replace("--out", "--slice z=1.1 --out"));
+    mentions(&run.stderr, &["warning: fluid.csv: --slice z=1.1", "no fluid", "another position", "--beyond-surface"]);
+    // A box full of fluid has fluid at every node that is shared out to.
+    folder.succeeds(
+        "grid --particles fluid.csv --spacing 0.1 --conserve mass --cell 1.3 --periodic xyz --box 0,1,0,1,0,1 --out out.vti",
+    );
+    let support = read_vtk(&folder.path("out.vti")).unwrap().array("support").unwrap().values.to_f64();
+    assert!(support.len() == 729 && support.iter().all(|&how| how == 2.0));
+}
+
+#[test]
+fn a_flow_in_the_plane_is_gridded_in_one_layer_and_has_no_surface() {
+    let folder = Folder::new();
+    let mut text = String::from("x,y,z,pressure\n");
+    for k in 0..200 {
+        let [x, y] = [k % 20, k / 20].map(|n| 0.05 * (f64::from(n) + 0.5));
+        let _ = writeln!(text, "{x},{y},0.7,{}", 4.0 - 8.0 * y + x);
+    }
+    folder.write("flat.csv", text);
+    let base = "grid --particles flat.csv --spacing 0.05 --dimension 2 --wall 0,1,0,0 --wall 1,0,0,0 --out out.vti";
+    // From wall to surface 21 × 11 nodes; the level set rounds off the free corner.
+    for (from, least) in [("level-set", 230), ("density", 190)] {
+        let run = folder.succeeds(&format!("{base} --from {from}"));
+        assert!(run.stderr.is_empty(), "{}", run.stderr);
+        let found = read_vtk(&folder.path("out.vti")).unwrap();
+        let image = found.image.as_ref().unwrap();
+        assert_eq!((image.cells[2], image.origin[2]), (0, 0.7));
+        let column = |name: &str| found.array(name).unwrap().values.to_f64();
+        let (pressure, support) = (column("pressure"), column("support"));
+        let nx = image.cells[0] + 1;
+        for node in 0..image.point_count() {
+            let [x, y] = [(0, node % nx), (1, node / nx)].map(|(k, n)| image.origin[k] + image.spacing[k] * n as f64);
+            let expected = if support[node] == 2.0 { 4.0 - 8.0 * y + x } else { 0.0 };
+            assert!((pressure[node] - expected).abs() < 1e-9, "{x} {y}: {}", pressure[node]);
+        }
+        let linear = support.iter().filter(|&&how| how == 2.0).count();
+        assert!(linear >= least && linear <= 231, "{from}: {linear}");
+    }
+    let run = folder.succeeds(&format!("{base} --slice y=0"));
+    mentions(&run.stdout, &[" × 1 × 1\n", "linear               21\n"]);
+    mentions(&folder.fails(&format!("{base} --slice z=0.7")), &["--slice z=0.7", "--dimension 2", "x=… or y=…"]);
+    mentions(&folder.fails(&format!("{base} --conserve pressure")), &["--conserve pressure", "three dimensions"]);
+    for dimension in [2, 3] {
+        let surface = format!("surface --particles flat.csv --spacing 0.05 --dimension {dimension} --out out.ply");
+        mentions(
+            &folder.fails(&surface),
+            &["three", "fieldstone grid --dimension 2", "fieldstone detect --dimension 2"],
+        );
+    }
+    assert!(!folder.path("out.ply").exists() && !folder.succeeds("surface --help").stdout.contains("--dimension"));
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let folder = folder();
     for (command, out) in

@@ -23,6 +23,10 @@ use super::timing::Timing;
 ///
 /// Writes the particles with free_surface (1 or 0), level (0 free surface, 1 vicinity, 2 inner), normal (outward) and on
 /// request exposure: the half-angle of the widest cone without a neighbour, in degrees.
+///
+/// The fluid ends at planes (--wall) and at particles (--boundary); there is no option for the bodies of fieldstone sph run,
+/// and the fluid's sides at them come out as free surface. region in the frames of such a run, 0 on the free surface,
+/// counts bodies.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone detect --particles frame.bgeo --spacing 0.01 --out surface.vtp\n  \

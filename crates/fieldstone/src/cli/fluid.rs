@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use fieldstone::io::SeriesFrame;
 use fieldstone::mesh::Grid;
 use fieldstone::surface::{
-    Exact, LevelSetOptions, NodeField, Nodes, SurfaceDetection, SurfaceDistance, SurfaceError, Surroundings,
-    density_field, implausibilities, level_set,
+    Exact, LevelSetOptions, NodeField, Nodes, PeriodicFaces, SurfaceDetection, SurfaceDistance, SurfaceError,
+    Surroundings, density_field, implausibilities, level_set,
 };
 
 use super::arguments::{available_memory, positive};
@@ -51,7 +51,13 @@ enum Distance {
 
 impl FluidArguments {
     /// The field, after warnings about what looks wrong.
-    pub fn field(&self, frame: &SeriesFrame, surroundings: &Surroundings, nodes: &Nodes) -> anyhow::Result<NodeField> {
+    pub fn field(
+        &self,
+        frame: &SeriesFrame,
+        surroundings: &Surroundings,
+        nodes: &Nodes,
+        faces: PeriodicFaces,
+    ) -> anyhow::Result<NodeField> {
         let placed = |e: SurfaceError| anyhow!("{}: {e}", frame.path.display());
         let positions = frame.particles.positions();
         let method = Exact::default();
@@ -61,13 +67,13 @@ impl FluidArguments {
             report::warn(&format!("{}: {finding}", frame.path.display()));
         }
         if self.from == Source::Density {
-            return density_field(positions, surroundings, nodes, self.smoothing).map_err(placed);
+            return density_field(positions, surroundings, nodes, self.smoothing, faces).map_err(placed);
         }
         let distance = match self.distance {
             Distance::Blended => SurfaceDistance::Blended,
             Distance::Nearest => SurfaceDistance::Nearest,
         };
-        let options = LevelSetOptions { distance, ..LevelSetOptions::default() };
+        let options = LevelSetOptions { distance, periodic_faces: faces, ..LevelSetOptions::default() };
         let detection = method.detect(&scene).map_err(placed)?;
         level_set(positions, surroundings, &detection, nodes, &options).map_err(placed)
     }
@@ -86,6 +92,13 @@ pub(crate) fn nodes(
     let file = frame.path.display();
     let nodes = Nodes::around(&fluid, 1.5 * spacing, cell * spacing)
         .map_err(|e| anyhow!("{file}: --cell, --spacing: {e}; {}", extent(&fluid)))?;
+    let nodes = match fluid.first() {
+        // A flow in the plane has one layer of nodes, at the z of its particles.
+        Some(particle) if surroundings.dimension == 2 => {
+            nodes.slice(2, particle[2]).map_err(|e| anyhow!("{file}: z of the particles: {e}"))?
+        }
+        _ => nodes,
+    };
     check_room(&nodes, numbers, available_memory()).map_err(|e| anyhow!("{file}: {e}; {}", extent(&fluid)))?;
     Ok(nodes)
 }

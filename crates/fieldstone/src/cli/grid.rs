@@ -11,7 +11,9 @@ use fieldstone::io::vtk::{VtkArrays, VtkEncoding, VtkImage, write_vti};
 use fieldstone::io::{DataArray, SeriesFrame, Values};
 use fieldstone::mesh::Cells;
 use fieldstone::particles::{Particles, Quantity};
-use fieldstone::surface::{Column, Interpolated, Nodes, Support, SurfaceError, Surroundings, interpolate};
+use fieldstone::surface::{
+    Column, Interpolated, Nodes, PeriodicFaces, Support, SurfaceError, Surroundings, interpolate,
+};
 
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, Source, cells, nodes, nodes_of_one_period};
@@ -23,12 +25,13 @@ use super::{report, sph_checks};
 /// Writes on the grid's nodes level_set (or volume_share with --from density), each column of the particles, interpolated,
 /// and support: 2 linear, 1 weighted mean because the neighbours do not span space, 0 no particle or no fluid. With
 /// --conserve also on its cells the totals of columns, shared out by the exact overlap with balls of the particles'
-/// volumes.
+/// volumes. With --dimension 2 the nodes are one layer, in the plane of the particles.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:\n  \
     fieldstone grid --particles frame.vtu --spacing 0.01 --out fields.vti\n  \
     fieldstone grid --particles frame.vtu --spacing 0.01 --fields pressure --slice y=0.15 --out slice.vti\n  \
-    fieldstone grid --particles frame.vtu --spacing 0.01 --conserve mass --cell 2 --out mass.vti\n\n\
+    fieldstone grid --particles frame.vtu --spacing 0.01 --conserve mass --cell 2 --out mass.vti\n  \
+    fieldstone grid --particles run/particles.pvd --spacing 0.02 --dimension 2 --wall 0,1,0,0 --out fields.vti\n\n\
     Units: all lengths as in the input.")]
 pub(crate) struct GridFields {
     #[command(flatten)]
@@ -47,7 +50,7 @@ pub(crate) struct GridFields {
     /// Interpolate wherever there are particles near, also outside the fluid's surface
     #[arg(long)]
     beyond_surface: bool,
-    /// Columns of which each particle's amount is shared out among cells, such as mass
+    /// Columns of which each particle's amount is shared out among cells, such as mass; in three dimensions
     ///
     /// Along periodic axes the cells end at the box, and are made to fit into it.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -59,6 +62,8 @@ pub(crate) struct GridFields {
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
 }
+
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A plane across an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +78,7 @@ impl FromStr for Slice {
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("'{text}' is no plane; give an axis and a position, as in y=0.15");
         let (axis, at) = text.split_once('=').ok_or_else(wrong)?;
-        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(wrong)?;
+        let axis = AXES.iter().position(|name| *name == axis.trim()).ok_or_else(wrong)?;
         let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite()).ok_or_else(wrong)?;
         Ok(Self { axis, at })
     }
@@ -99,9 +104,7 @@ impl GridFields {
         if ending(&self.out) != "vti" {
             bail!("--out {}: the ending is not known; use .vti", self.out.display());
         }
-        if self.sph.dimension != 3 {
-            bail!("--dimension 2: fields are gridded in three dimensions; --slice gives a plane of them");
-        }
+        self.check_plane()?;
         let inputs = self.sph.inputs();
         out.check(&inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let (outcomes, paths) = self.sph.each_frame(&out, |frame, path, _| self.frame(frame, path))?;
@@ -111,6 +114,25 @@ impl GridFields {
         }
         let _ = writeln!(text, "written to           {}", written(&paths));
         report::print(&text)
+    }
+
+    /// Refuses what there is in three dimensions alone.
+    fn check_plane(&self) -> anyhow::Result<()> {
+        if self.sph.dimension == 3 {
+            return Ok(());
+        }
+        if let Some(name) = self.conserve.first() {
+            bail!(
+                "--conserve {name}: amounts are shared out by balls, in three dimensions; leave it out with --dimension 2"
+            );
+        }
+        match self.slice {
+            Some(Slice { axis: 2, at }) => bail!(
+                "--slice z={at}: with --dimension 2 the nodes are one layer, in the plane of the particles; leave it out, or \
+                 give a line of them as x=… or y=…"
+            ),
+            _ => Ok(()),
+        }
     }
 
     fn frame(&self, frame: &SeriesFrame, path: &Path) -> anyhow::Result<Outcome> {
@@ -135,16 +157,18 @@ impl GridFields {
                 .slice(axis, at)
                 .map_err(|e| anyhow!("--slice: {file}: {e}"))?,
         };
-        let region = self.fluid.field(frame, &surroundings, &nodes)?;
+        let region = self.fluid.field(frame, &surroundings, &nodes, PeriodicFaces::Pass)?;
         let columns: Vec<Column<'_>> =
             quantities.iter().map(|q| Column { components: q.components, data: &q.data }).collect();
-        let inside: Vec<usize> =
-            (0..nodes.len()).filter(|&n| self.beyond_surface || region.values[n] > region.surface_value).collect();
+        let inside: Vec<usize> = (0..nodes.len()).filter(|&n| self.beyond_surface || region.holds_fluid(n)).collect();
         let points: Vec<[f64; 3]> = inside.iter().map(|&n| nodes.position(n)).collect();
         let positions = frame.particles.positions();
         let found =
             interpolate(positions, &surroundings, &columns, &points, self.interpolation_length).map_err(placed)?;
         let (arrays, support) = spread(&nodes, &inside, &quantities, &found);
+        if support[0] == nodes.len() {
+            report::warn(&format!("{file}: {}", self.why_empty()));
+        }
         let name = if self.fluid.from == Source::Density { "volume_share" } else { "level_set" };
         let mut point_data = vec![DataArray::scalar(name, region.values)];
         point_data.extend(arrays);
@@ -159,6 +183,17 @@ impl GridFields {
             VtkArrays { points: &point_data, cells: &cell_data, time: frame.particles.time(), ..VtkArrays::default() };
         write_vti(path, &image, arrays, VtkEncoding::default())?;
         Ok(Outcome { frame: frame.index, nodes: counts, support, totals })
+    }
+
+    /// What to do where no node holds fluid.
+    fn why_empty(&self) -> String {
+        let (place, remedy) = match self.slice {
+            Some(Slice { axis, at }) => (format!("--slice {}={at}: the plane", AXES[axis]), "choose another position"),
+            None => ("the grid".into(), "the spacing or --from may not fit the particles"),
+        };
+        let more =
+            if self.beyond_surface { "" } else { ", or take what is outside the surface, too, with --beyond-surface" };
+        format!("{place} holds no fluid, so all its values are 0: {remedy}{more}")
     }
 
     fn quantities<'a>(&self, particles: &'a Particles) -> anyhow::Result<Vec<&'a Quantity>> {

@@ -12,6 +12,10 @@ const LEAKED: f64 = 0.01;
 /// Extent of z, over that of x and y, beyond which particles are not two-dimensional in x and y.
 const FLAT: f64 = 1e-3;
 
+/// The commands that read flows in the plane, as a remedy.
+pub(super) const COMMANDS_IN_PLANE: &str = "of a flow in the plane fieldstone grid --dimension 2 gives the level set and \
+    the fields, fieldstone detect --dimension 2 the free-surface particles";
+
 /// How many times the particles' own distance a spacing may be: more is another unit.
 const TOO_WIDE: f64 = 10.0;
 
@@ -41,6 +45,26 @@ pub(super) fn in_plane(positions: &[[f64; 3]], file: &str) -> anyhow::Result<()>
             }
         }
         bail!("{spread}; use --dimension 3, or project the particles");
+    }
+    Ok(())
+}
+
+/// Refuses particles of a flow in the plane, of which a surface in three dimensions would say nothing.
+pub(super) fn not_in_plane(positions: &[[f64; 3]], file: &str) -> anyhow::Result<()> {
+    // So few are spray, wherever they lie.
+    if positions.len() <= 3 {
+        return Ok(());
+    }
+    let first = positions[0];
+    for (k, name) in [(2, "z"), (1, "y"), (0, "x")] {
+        if positions.iter().all(|p| p[k] == first[k]) {
+            let swap =
+                if k == 2 { String::new() } else { format!(", with the columns {name} and z of the file swapped") };
+            bail!(
+                "{file}: all particles have {name} = {}, and a surface has three dimensions; {COMMANDS_IN_PLANE}{swap}",
+                number(first[k])
+            );
+        }
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtp_surface};
 use fieldstone::io::{DataArray, SeriesFrame, write_obj, write_ply, write_stl};
-use fieldstone::surface::{Column, SurfaceError, TriangleMesh, Walls, interpolate, iso_surface};
+use fieldstone::surface::{Column, PeriodicFaces, SurfaceError, TriangleMesh, Walls, interpolate, iso_surface};
 use serde::Serialize;
 
 use super::arguments::{ending, positive};
@@ -20,6 +20,7 @@ use super::{report, sph_checks};
 ///
 /// Prints the surface's volume beside that of the particles, its area, and how its triangles hang together.
 #[derive(Debug, Args)]
+#[command(mut_arg("dimension", |dimension| dimension.hide(true)))]
 #[command(after_long_help = "Examples:\n  \
     fieldstone surface --particles frame.bgeo --spacing 0.01 --out surface.ply\n  \
     fieldstone surface --particles 'frame_{}.vtu' --spacing 0.01 --fields velocity --out surface_{}.vtp\n\n\
@@ -98,7 +99,7 @@ impl Surface {
             _ => bail!("--out {}: the ending is not known; use .vtp, .ply, .obj or .stl", self.out.display()),
         }
         if self.sph.dimension != 3 {
-            bail!("--dimension 2: a surface has three; fieldstone detect finds the free surface in two");
+            bail!("--dimension 2: a surface has three; {}", sph_checks::COMMANDS_IN_PLANE);
         }
         let inputs = self.sph.inputs();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -109,6 +110,7 @@ impl Surface {
         let start = Instant::now();
         let file = frame.path.display().to_string();
         let placed = |e: SurfaceError| anyhow!("{file}: {e}");
+        sph_checks::not_in_plane(frame.particles.positions(), &file)?;
         let surroundings = self.sph.surroundings(frame)?;
         self.sph.check_spacing(frame, &surroundings)?;
         let particles = &frame.particles;
@@ -119,7 +121,7 @@ impl Surface {
             quantities.push(column);
         }
         let nodes = nodes(frame, &surroundings, self.cell, 0)?;
-        let field = self.fluid.field(frame, &surroundings, &nodes)?;
+        let field = self.fluid.field(frame, &surroundings, &nodes, PeriodicFaces::End)?;
         let walls = match self.at_walls {
             WallsName::Closed => Walls::Closed,
             WallsName::Open => Walls::Open,
