@@ -180,7 +180,12 @@ impl ParticleArguments {
             None => particles,
         };
         if particles.is_empty() {
-            bail!("{}: the frame holds no particle; choose another with --frame", self.particles.display());
+            // A pour begins, and an open flow ends, with such a frame: its fields are those of empty space.
+            report::warn(&format!(
+                "{}: the frame holds no particle: every field is that of empty space; another is chosen with --frame",
+                self.particles.display()
+            ));
+            return Ok(particles.with_radii(Vec::new())?);
         }
         particles.radii().map_err(|e| anyhow!("{}: {e}", self.particles.display()))?;
         Ok(particles)
