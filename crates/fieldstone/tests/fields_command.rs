@@ -83,6 +83,19 @@ fn a_mercury_box_gives_closed_forms_in_vti_csv_and_stat() {
 }
 
 #[test]
+fn the_radius_is_a_quantity_and_the_weight_of_the_density_a_field_by_its_name() {
+    let folder = Folder::new();
+    folder.write("two.csv", "x,y,z,radius,mass\n0.3,0.5,0.5,0.1,1\n0.7,0.5,0.5,0.2,3\n");
+    let line = "fields --particles two.csv --grid 0,1,0,1,0,1 --cells 1 --out o.vti";
+    folder.succeeds(&format!("{line} --fields density --quantity r=radius:mass-mean"));
+    assert!((column(&folder, "o.vti", "r")[0] - (0.1 + 3.0 * 0.2) / 4.0).abs() < 1e-12);
+    folder.succeeds(&format!("{line} --fields body_force_density --gravity 0,0,-10"));
+    assert!((column(&folder, "o.vti", "body_force_density")[2] + 40.0).abs() < 1e-9);
+    let message = folder.fails(&format!("{line} --fields body_force_density"));
+    mentions(&message, &["--fields body_force_density", "needs --gravity"]);
+}
+
+#[test]
 fn settings_in_toml_take_names_of_contacts_and_the_text_of_the_command_line() {
     let folder = mercury();
     let fields = |contacts: &str, cells: &str| {

@@ -76,6 +76,12 @@ impl Source<'_> {
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;
         }
+        // The radii are no column of their own.
+        let of_radius = settings.quantities.iter().flat_map(|quantity| &quantity.columns).any(|name| name == "radius");
+        if of_radius && particles.quantity("radius").is_err() {
+            let data = particles.radii().map_err(|e| anyhow!("{name}: {e}; give one for all with --radius"))?.to_vec();
+            particles = particles.with_quantity(Quantity { name: "radius".into(), components: 1, data })?;
+        }
         let time = self.clock.time_of(&path, index, &particles);
         Ok(Frame { index, time, name, particles, contacts, faces: None })
     }
