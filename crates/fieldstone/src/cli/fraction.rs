@@ -532,6 +532,15 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     if !path.is_dir() {
         std::fs::create_dir(path).with_context(|| format!("{}: cannot make the folder", path.display()))?;
     }
+    // Of an earlier run, which this one does not replace.
+    for name in ["alpha.solids.uncapped", "alpha.solids.unsmoothed"].map(|name| path.join(name)) {
+        if name.is_file() && files.iter().all(|(_, to)| *to != name) {
+            report::warn(&format!(
+                "{}: the file is of an earlier run and does not belong to this result; remove it",
+                name.display()
+            ));
+        }
+    }
     for (from, to) in files {
         std::fs::rename(from, &to).with_context(|| format!("{}: cannot write", to.display()))?;
     }
