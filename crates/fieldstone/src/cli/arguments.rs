@@ -171,7 +171,6 @@ impl ParticleArguments {
     pub fn read(&self) -> anyhow::Result<Particles> {
         let options = ParticleOptions { allow_non_spherical: self.allow_non_spherical };
         let (particles, warnings) = read_frame_with_warnings(&self.particles, &options, self.frame)?;
-        warnings.iter().for_each(|warning| report::warn(warning));
         let given = self.radius.or(self.diameter.map(|d| 0.5 * d));
         let particles = match given {
             Some(radius) => {
@@ -188,6 +187,8 @@ impl ParticleArguments {
             return Ok(particles.with_radii(Vec::new())?);
         }
         particles.radii().map_err(|e| anyhow!("{}: {e}", self.particles.display()))?;
+        // A file that is refused needs no more said of it.
+        warnings.iter().for_each(|warning| report::warn(warning));
         Ok(particles)
     }
 }
