@@ -5,10 +5,20 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use fieldstone_particles::{Contact, Contacts, Partner};
 use rayon::prelude::*;
 
-/// How many contacts are an earlier one again, to the last bit, and which is the first of them.
+/// Contacts that are an earlier one again, to the last bit.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Repeats {
+    pub(crate) count: usize,
+    /// How many of them are with walls.
+    pub(crate) with_walls: usize,
+    /// Place of the first.
+    pub(crate) first: usize,
+}
+
+/// The contacts that are an earlier one again; none where all differ.
 ///
 /// Contacts without force do not count: they change no sum, and programs list them where bodies merely come near.
-pub(crate) fn repeated(contacts: &Contacts) -> Option<(usize, usize)> {
+pub(crate) fn repeated(contacts: &Contacts) -> Option<Repeats> {
     let mut keys: Vec<(u64, usize)> = (0..contacts.len())
         .into_par_iter()
         .map(|index| (contacts.get(index), index))
@@ -25,7 +35,8 @@ pub(crate) fn repeated(contacts: &Contacts) -> Option<(usize, usize)> {
             .collect::<Vec<_>>()
     };
     let found: Vec<usize> = keys.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1).flat_map(again).collect();
-    found.iter().min().map(|&first| (found.len(), first))
+    let with_walls = found.iter().filter(|&&k| matches!(contacts.get(k).partner, Partner::Wall(_))).count();
+    found.iter().min().map(|&first| Repeats { count: found.len(), with_walls, first })
 }
 
 fn key(contact: &Contact) -> u64 {
@@ -62,6 +73,6 @@ mod tests {
         assert_eq!(repeated(&contacts), None);
         contacts.push(1, wall(2.0, 0)).unwrap();
         contacts.push(1, wall(1.0, 0)).unwrap();
-        assert_eq!(repeated(&contacts), Some((2, 5)));
+        assert_eq!(repeated(&contacts), Some(Repeats { count: 2, with_walls: 2, first: 5 }));
     }
 }

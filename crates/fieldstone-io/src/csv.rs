@@ -118,6 +118,8 @@ fn skip_blanks_but(line: &[u8], separator: Separator) -> usize {
 pub(crate) struct Header {
     pub(crate) names: Vec<String>,
     pub(crate) separator: Separator,
+    /// Whether the file has no names, so that its columns are what most files without names hold.
+    unnamed: bool,
     text: String,
 }
 
@@ -153,7 +155,8 @@ impl Header {
                     *name = format!("column_{}", index + 1);
                 }
             }
-            return Ok(Self { names, separator, text: String::from_utf8_lossy(line).into_owned() });
+            let text = String::from_utf8_lossy(line).into_owned();
+            return Ok(Self { names, separator, unnamed: false, text });
         }
         let separator = Separator::of_numbers(line);
         let first: Vec<&[u8]> = fields(line, separator).collect();
@@ -165,17 +168,19 @@ impl Header {
         let best = commented.iter().position(|names| Columns::new(names.clone(), Dialect::Table).is_ok());
         let commented = best.map(|index| commented.swap_remove(index)).or_else(|| commented.into_iter().next());
         let stated = comments.iter().rev().find_map(|comment| yade_names(comment, columns));
-        let unnamed = match columns {
+        let assumed = match columns {
             3 | 4 if numeric => Some(["x", "y", "z", "r"].iter().take(columns).map(ToString::to_string).collect()),
             _ => None,
         };
-        let Some(names) = commented.or(stated).or(unnamed) else {
+        let stated = commented.or(stated);
+        let unnamed = stated.is_none();
+        let Some(names) = stated.or(assumed) else {
             let found = format!("a row of {columns} columns begins the file, without names for them");
             return Err(lines.error(found, "put a header row before it, as in: x,y,z,radius"));
         };
         lines.stay();
         let text = names.join(separator.as_str());
-        Ok(Self { names, separator, text })
+        Ok(Self { names, separator, unnamed, text })
     }
 }
 
@@ -235,7 +240,7 @@ impl CsvTable {
     /// [`IoError::System`]; [`IoError::Content`] where columns have no names, or a row has more or fewer of them.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let mut lines = LineReader::open(path)?;
-        let Header { names, separator, text: header } = Header::read(&mut lines)?;
+        let Header { names, separator, text: header, .. } = Header::read(&mut lines)?;
         let mut table = Self { path: path.into(), names, header, separator, text: String::new(), rows: Vec::new() };
         while lines.advance()? {
             let line = lines.line().trim_ascii();
@@ -324,8 +329,8 @@ impl CsvTable {
 /// Letter case does not matter. Positions are `x y z`, `px py pz`, `Points:0 …`, `position_x …` or `pos_x …`;
 /// radii are `radius`, `radii`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
 /// vz` and the like become vectors as in [`crate::DumpReader`], and so do `name:0 name:1 …` and `name_x name_y
-/// name_z`. Without any names, three columns of numbers are positions and a fourth is the radius. An empty field
-/// is NaN where it is neither position, size, id nor type.
+/// name_z`. Without any names, three columns of numbers are positions and a fourth is the radius, with a
+/// warning. An empty field is NaN where it is neither position, size, id nor type.
 ///
 /// ```
 /// use fieldstone_io::{CsvReader, FrameReader};
@@ -367,6 +372,13 @@ impl CsvReader {
             && let Some((found, remedy)) = non_spherical(&header.names)
         {
             return Err(lines.error(found, remedy));
+        }
+        if header.unnamed {
+            let taken = if header.names.len() == 3 { "x y z" } else { "x y z radius" };
+            self.warnings.push(format!(
+                "there is no line of names: the columns are taken as {taken}; if they are others, put a line before them, as in: \
+                 id,x,y,z"
+            ));
         }
         let mut columns = Columns::new(header.names, Dialect::Table)
             .map_err(|missing| lines.error(missing, "name the coordinates x, y and z in the header row"))?;

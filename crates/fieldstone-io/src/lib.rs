@@ -80,7 +80,7 @@ pub use mercury_restart::{MercuryRestart, MercurySpecies, MercuryWall, read_rest
 pub use meshes::{FileKind, file_kind, read_mesh};
 pub use number_rows::read_number_rows;
 pub use obj_write::write_obj;
-pub use particles::{OneFrame, ParticleOptions, open_particles, read_frame};
+pub use particles::{OneFrame, ParticleOptions, open_particles, read_frame, read_frame_with_warnings};
 pub use ply::read_ply;
 pub use ply_write::write_ply;
 pub use series::{BackgroundSeries, ContactFiles, Series, SeriesFrame};

@@ -215,6 +215,29 @@ pub fn open_particles(path: &Path, options: &ParticleOptions) -> Result<Box<dyn 
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_frame(path: &Path, options: &ParticleOptions, index: i64) -> Result<Particles, IoError> {
+    Ok(read_frame_with_warnings(path, options, index)?.0)
+}
+
+/// As [`read_frame`], with what [`FrameReader::warnings`] says of the frame.
+///
+/// # Errors
+/// As [`read_frame`].
+///
+/// ```
+/// use fieldstone_io::{ParticleOptions, read_frame_with_warnings};
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("balls.csv");
+/// std::fs::write(&path, "0 0 1 0.5\n")?;
+/// let (balls, warnings) = read_frame_with_warnings(&path, &ParticleOptions::default(), 0)?;
+/// assert_eq!(balls.radii()?, [0.5]);
+/// assert!(warnings[0].contains("there is no line of names: the columns are taken as x y z radius"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_frame_with_warnings(
+    path: &Path,
+    options: &ParticleOptions,
+    index: i64,
+) -> Result<(Particles, Vec<String>), IoError> {
     let missing = |available| IoError::NoSuchFrame { path: path.into(), wanted: index, available };
     let from_start = if index < 0 {
         let mut reader = open_particles(path, options)?;
@@ -233,7 +256,8 @@ pub fn read_frame(path: &Path, options: &ParticleOptions, index: i64) -> Result<
             return Err(missing(available));
         }
     }
-    reader.next_frame()?.ok_or_else(|| missing(from_start))
+    let particles = reader.next_frame()?.ok_or_else(|| missing(from_start))?;
+    Ok((particles, reader.warnings().to_vec()))
 }
 
 /// A reader of one frame, made from a function that reads a whole file.

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use fieldstone_particles::{Contacts, Domain, Particles, Partner};
 
-use crate::contact_repeats::repeated;
+use crate::contact_repeats::{Repeats, repeated};
 use crate::{
     ContactOptions, ContactReader, FrameRange, FrameReader, FrameStamp, IoError, ParticleOptions, Position,
     open_contacts, open_particles,
@@ -234,7 +234,7 @@ impl Series {
     /// Notes contacts that are listed more than once: all sources together, since one may be a copy of another.
     fn look_for_repeats(&mut self, path: &Path, index: usize, particles: &Particles, contacts: Option<&Contacts>) {
         let Some(contacts) = contacts.filter(|_| !self.told_of_repeats) else { return };
-        let Some((count, first)) = repeated(contacts) else { return };
+        let Some(Repeats { count, with_walls, first }) = repeated(contacts) else { return };
         self.told_of_repeats = true;
         let id = |index: u32| particles.ids().map_or(i64::from(index), |ids| ids[index as usize]);
         let contact = contacts.get(first);
@@ -248,9 +248,16 @@ impl Series {
             .filter_map(|source| source.current.as_ref())
             .map(|(path, _)| path.display().to_string())
             .collect();
+        let walls = match with_walls {
+            0 => String::new(),
+            some => format!(
+                "; {some} of them are with walls: where a wall is a mesh, each of its triangles that meet there may have its own: keep \
+                 those"
+            ),
+        };
         self.warnings.push(format!(
             "{}: of the {} contacts of frame {index} of {}, {count} are there again with the same force and point, and count \
-             again; the first is of particle {} with {partner}: give every row, and every file, once",
+             again; the first is of particle {} with {partner}: give every row, and every file, once{walls}",
             files.join(", "),
             contacts.len(),
             path.display(),

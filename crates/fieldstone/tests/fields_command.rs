@@ -83,6 +83,43 @@ fn a_mercury_box_gives_closed_forms_in_vti_csv_and_stat() {
 }
 
 #[test]
+fn the_radius_is_a_quantity_and_the_weight_of_the_density_a_field_by_its_name() {
+    let folder = Folder::new();
+    folder.write("two.csv", "x,y,z,radius,mass\n0.3,0.5,0.5,0.1,1\n0.7,0.5,0.5,0.2,3\n");
+    let line = "fields --particles two.csv --grid 0,1,0,1,0,1 --cells 1 --out o.vti";
+    folder.succeeds(&format!("{line} --fields density --quantity r=radius:mass-mean"));
+    assert!((column(&folder, "o.vti", "r")[0] - (0.1 + 3.0 * 0.2) / 4.0).abs() < 1e-12);
+    folder.succeeds(&format!("{line} --fields body_force_density --gravity 0,0,-10"));
+    assert!((column(&folder, "o.vti", "body_force_density")[2] + 40.0).abs() < 1e-9);
+    let message = folder.fails(&format!("{line} --fields body_force_density"));
+    mentions(&message, &["--fields body_force_density", "needs --gravity"]);
+}
+
+#[test]
+fn settings_in_toml_take_names_of_contacts_and_the_text_of_the_command_line() {
+    let folder = mercury();
+    let fields = |contacts: &str, cells: &str| {
+        let text = format!("particles = \"box.data\"\ndensity = 6\nout = \"o.vti\"\ncells = {cells}\n{contacts}\n");
+        folder.write("run.toml", text);
+        folder.succeeds("fields run.toml");
+        column(&folder, "o.vti", "contact_stress")
+    };
+    let whole = fields("[[contacts]]\nfile = \"box.fstat\"", "[2, 1, 1]");
+    assert!(whole.iter().any(|s| *s != 0.0));
+    assert_eq!(fields("contacts = \"box.fstat\"", "\"2,1,1\""), whole);
+    assert_eq!(fields("contacts = [\"box.fstat\"]", "[2, 1, 1]"), whole);
+    for (wrong, reason) in [
+        ("contacts = 3", "a list of names, or tables [[contacts]]"),
+        ("contacts-preset = \"mercury\"", "unknown key `contacts-preset`"),
+        ("contacts-preset = \"mercury\"", "write [[contacts]], and below it file = \"NAME\" with preset = \"NAME\""),
+        ("cells = \"two\"", "'two' stands where a number is expected"),
+    ] {
+        folder.write("bad.toml", wrong);
+        mentions(&folder.fails("fields bad.toml"), &["bad.toml:1: ", reason]);
+    }
+}
+
+#[test]
 fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     let folder = mercury();
     folder.write(
@@ -129,7 +166,7 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     for (wrong, reason) in [
         ("cells = 2.5", "bad.toml:1: invalid type: floating point `2.5`"),
         ("cells = -2", "bad.toml:1: invalid value: integer `-2`"),
-        ("cells = \"2\"", "expected a number or a list of numbers"),
+        ("cells = true", "expected a number or a list of numbers"),
         ("frames = true", "expected a string or a whole number"),
     ] {
         folder.write("bad.toml", wrong);

@@ -147,6 +147,34 @@ fn contacts_that_are_given_twice_are_refused_or_told() {
         &folder.succeeds(line).stderr,
         &["rows.csv: of the 3 contacts of frame 0 of balls.csv, 1 are there again", "particle 7 with particle 9"],
     );
+    assert!(!folder.succeeds(line).stderr.contains("a wall is a mesh"));
+}
+
+#[test]
+fn contacts_with_triangles_of_a_wall_that_are_alike_are_told_to_be_kept() {
+    let folder = grains();
+    // Two coplanar triangles of a floor, at the edge between them.
+    folder.write("balls.csv", "id,x,y,z,radius\n7,0,0,0,1\n9,1.9,0,0,1\n");
+    folder.write("walls.csv", "id1,id2,fx,fy,fz,px,py,pz\n7,-1,0,0,1,0,0,-1\n7,-1,0,0,1,0,0,-1\n");
+    let line =
+        "fields --particles balls.csv --contacts walls.csv --density 1 --cells 2 --fields contact_stress --out o.vti";
+    mentions(
+        &folder.succeeds(line).stderr,
+        &["1 are there again", "with wall", "1 of them are with walls", "each of its triangles", "keep those"],
+    );
+}
+
+#[test]
+fn a_table_without_a_line_of_names_is_read_with_a_warning() {
+    let folder = grains();
+    folder.write("bare.csv", "1 0.5 0.5 0.5\n");
+    folder.write("named.csv", "x y z r\n1 0.5 0.5 0.5\n");
+    for command in ["fields --density 1 --cells 2 --fields density", "fraction --grid 0,2,0,1,0,1 --cells 2"] {
+        let bare = folder.succeeds(&format!("{command} --particles bare.csv --out o.vti")).stderr;
+        mentions(&bare, &["warning: there is no line of names: the columns are taken as x y z radius", "id,x,y,z"]);
+        let named = folder.succeeds(&format!("{command} --particles named.csv --out o.vti")).stderr;
+        assert!(!named.contains("line of names"), "{named}");
+    }
 }
 
 #[test]

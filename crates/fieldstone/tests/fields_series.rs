@@ -250,3 +250,35 @@ fn a_series_that_cannot_be_written_as_a_whole_leaves_what_was_there_before() {
     assert_eq!(vtk::read_pvd(&folder.path("all.pvd")).unwrap().len(), 2);
     assert_ne!(std::fs::read_to_string(folder.path("all_0.vti")).unwrap_or_default(), "before");
 }
+
+/// A dump of three frames in a box of 1: none, one and none particle of radius 0.1 in the middle.
+const POUR: &str = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+    ITEM: ATOMS id type x y z vx vy vz radius mass\n\
+    ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+    ITEM: ATOMS id type x y z vx vy vz radius mass\n1 1 0.5 0.5 0.5 1 0 0 0.1 3\n\
+    ITEM: TIMESTEP\n2\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+    ITEM: ATOMS id type x y z vx vy vz radius mass\n";
+
+#[test]
+fn frames_without_particles_are_fields_of_zero_and_count_in_means() {
+    let folder = Folder::new();
+    folder.write("pour.dump", POUR);
+    let run = folder.succeeds("fields --particles pour.dump --cells 1 --quantity m=mass:sum --out all.pvd");
+    mentions(&run.stderr, &["warning: pour.dump, frame 0: the frame holds no particle", "pour.dump, frame 2: "]);
+    for (frame, mass) in [(0, 0.0), (1, 3.0), (2, 0.0)] {
+        let file = format!("all_{frame}.vti");
+        assert!((column(&folder, &file, "density")[0] - mass).abs() < 1e-12, "{frame}");
+        assert!((column(&folder, &file, "m")[0] - mass).abs() < 1e-12, "{frame}");
+    }
+    folder.succeeds("fields --particles pour.dump --cells 1 --average --out mean.vti");
+    assert!((column(&folder, "mean.vti", "density")[0] - 1.0).abs() < 1e-12);
+    assert!((column(&folder, "mean.vti", "momentum")[0] - 1.0).abs() < 1e-12);
+    let run = folder.succeeds("fraction --particles pour.dump --frame 0 --grid 0,1,0,1,0,1 --cells 2 --out none.vti");
+    mentions(&run.stderr, &["warning: pour.dump: the frame holds no particle"]);
+    assert_eq!(column(&folder, "none.vti", "solid_fraction"), [0.0; 8]);
+    // Without a box there is nothing to lay cells over.
+    folder.write("none.csv", "x,y,z,radius,mass\n");
+    let run = folder.fieldstone("fields --particles none.csv --cells 1 --fields density --out none.vti");
+    assert_eq!(run.code, Some(1));
+    mentions(&run.stderr, &["error: ", "the first frame holds no particle", "--grid"]);
+}

@@ -226,6 +226,28 @@ fn frames_worked_on_together_give_the_same_files_and_the_first_bad_one_is_named(
 }
 
 #[test]
+fn a_frame_that_the_flow_has_left_is_a_result_without_particles() {
+    let folder = Folder::new();
+    let frame = |step: usize, rows: &str| {
+        let count = rows.lines().count();
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n{rows}"
+        )
+    };
+    folder
+        .write("leave.dump", frame(0, "1 0.5 0.5 0.5\n2 0.6 0.5 0.5\n") + &frame(1, "") + &frame(2, "2 0.6 0.5 0.5\n"));
+    let run = folder.succeeds("detect --particles leave.dump --spacing 0.1 --out lv_{}.vtp --json lv.json");
+    mentions(&run.stderr, &["warning: leave.dump: frame 1 holds no particle"]);
+    let counts: Vec<_> =
+        json(&folder, "lv.json").as_array().unwrap().iter().map(|f| f["free_surface"].clone()).collect();
+    assert_eq!(counts, [2, 0, 1]);
+    assert_eq!(read_vtk(&folder.path("lv_1.vtp")).unwrap().points.len(), 0);
+    let run = folder.fieldstone("detect --particles leave.dump --frames 1 --out lv.vtp");
+    assert_eq!(run.code, Some(1));
+    mentions(&run.stderr, &["error: leave.dump: frame 1 holds no particle to estimate a spacing from; give --spacing"]);
+}
+
+#[test]
 fn the_spacing_is_estimated_and_an_implausible_one_is_warned_of() {
     let folder = folder();
     let run = folder.succeeds("detect --particles fluid.csv --out out.vtp --json out.json");

@@ -93,3 +93,13 @@ fn outputs_that_openfoam_cannot_have_are_refused_with_the_reason() {
         assert!(message.contains(found), "{message}");
     }
 }
+
+#[test]
+fn fields_of_an_earlier_run_that_stay_in_a_time_folder_are_named() {
+    let folder = small_case();
+    folder.succeeds("fraction --mesh case --particles balls.csv --cap 0.1 --out case/8");
+    let again = folder.succeeds("fraction --mesh case --particles balls.csv --cap 0.1 --out case/8").stderr;
+    assert!(!again.contains("earlier run"), "{again}");
+    let plain = folder.succeeds("fraction --mesh case --particles balls.csv --out case/8").stderr;
+    assert!(plain.contains("case/8/alpha.solids.uncapped: the file is of an earlier run"), "{plain}");
+}

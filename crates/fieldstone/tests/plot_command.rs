@@ -43,6 +43,7 @@ fn slices_and_profiles_are_drawn_from_every_kind_of_result() {
         ("plot g.vti --field speed", ["no field 'speed'; it has", "density"]),
         ("plot g.csv --field speed", ["no field 'speed'; it has", "density"]),
         ("plot g.vti --field density --component x", ["density has no such component", "it is a scalar"]),
+        ("plot g.vti --field density --frame 7", ["g.vti: frame 7 was asked for", "the file has 1, from 0"]),
         ("plot g.vti --field velocity --slice z=7", ["--slice z=7: the cells reach from", "to 0.12"]),
         ("plot g.vti --field velocity --slice w=7", ["--slice w: choose one of", "x, y, z"]),
         ("plot g.vti --field velocity --profile height", ["--profile height: choose one of", "x, y, z or r"]),

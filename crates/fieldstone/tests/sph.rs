@@ -95,8 +95,64 @@ fn particles_too_fast_for_the_speed_of_sound_are_told() {
     let slow = folder.succeeds("sph run slow.toml");
     assert!(slow.stderr.contains("warning: particles were as fast as 1.4"), "{}", slow.stderr);
     assert!(slow.stderr.contains("with a speed of sound of 4: the fluid was compressible"), "{}", slow.stderr);
+    assert!(slow.stderr.contains("write expected_speed = 1.4"), "{}", slow.stderr);
+    // A third faster than expected is no tenth of the speed of sound any more, though far from compressible.
+    folder.write("less.toml", falling(1.1));
+    let less = folder.succeeds("sph run less.toml").stderr;
+    assert!(
+        less.contains("asks for a speed of sound of 14.") && less.contains("with a speed of sound of 11: "),
+        "{less}"
+    );
+    assert!(!less.contains("compressible") && !less.contains("expected_pressure"), "{less}");
     let right = folder.succeeds("sph run right.toml");
     assert!(right.stdout.contains("largest speed        1.4") && !right.stderr.contains("warning"), "{}", right.stderr);
+}
+
+#[test]
+fn a_pressure_beyond_the_bound_of_the_speed_of_sound_is_told() {
+    let folder = Folder::new();
+    // Water that falls by 0.2 m is 2 m/s fast, and stops at once.
+    let slab = "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [1, 2]\n[fluid]\ndensity = 1000\nexpected_speed = 2.1\n\
+                gravity = [0, -9.81]\n[time]\nend = 0.22\n[[fill]]\nshape = \"box\"\nlow = [0, 0.2]\nhigh = [1, 0.5]\n[[wall]]\n\
+                kind = \"tank\"\n";
+    folder.write("slab.toml", slab);
+    let told = folder.succeeds("sph run slab.toml").stderr;
+    assert!(told.contains("warning: the pressure rose to ") && told.contains("write expected_pressure = "), "{told}");
+}
+
+#[test]
+fn the_number_of_steps_is_a_whole_one() {
+    let folder = Folder::new();
+    let file = case(&folder, "hydrostatic", "0.05");
+    folder.succeeds(&format!("sph check {file} --json check.json"));
+    let found: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("check.json")).unwrap()).unwrap();
+    assert!(found["steps"].as_u64().is_some_and(|steps| steps > 100), "{}", found["steps"]);
+}
+
+#[test]
+fn a_hydrostatic_fill_below_another_is_told_to_need_the_surface() {
+    let folder = Folder::new();
+    let layers = |surface: &str, second: &str| {
+        format!(
+            "dimension = 2\nspacing = 0.05\n[domain]\nlow = [0, 0]\nhigh = [2, 1]\n[fluid]\ndensity = 1000\nexpected_speed = 2\n\
+             expected_pressure = 5000\ngravity = [0, -9.81]\n[time]\nend = 0.01\n[[fill]]\nshape = \"box\"\nlow = [0, 0]\n\
+             high = [1, 0.25]\npressure = \"hydrostatic\"\n{surface}\n[[fill]]\nshape = \"box\"\n{second}\n\
+             pressure = \"hydrostatic\"\n[[wall]]\nkind = \"tank\"\n"
+        )
+    };
+    folder.write("layers.toml", layers("", "low = [0, 0.25]\nhigh = [1, 0.5]"));
+    folder.write("level.toml", layers("surface = 0.5", "low = [0, 0.25]\nhigh = [1, 0.5]"));
+    folder.write("beside.toml", layers("", "low = [1, 0]\nhigh = [2, 0.25]"));
+    folder.write("falling.toml", layers("", "low = [0, 0.5]\nhigh = [1, 0.75]"));
+    for command in ["sph check layers.toml", "sph run layers.toml"] {
+        let told = folder.succeeds(command).stderr;
+        assert!(told.contains("warning: fill 0 is hydrostatic from its own top on, but fill 1 lies upon it"), "{told}");
+        assert!(told.contains("give fill 0 surface"), "{told}");
+    }
+    for quiet in ["level", "beside", "falling"] {
+        let told = folder.succeeds(&format!("sph check {quiet}.toml")).stderr;
+        assert!(!told.contains("warning"), "{quiet}: {told}");
+    }
 }
 
 #[test]

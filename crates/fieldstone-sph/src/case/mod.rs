@@ -1,6 +1,7 @@
 //! Flows described in TOML.
 
 mod check;
+mod covered;
 mod flows;
 mod keys;
 mod locate;

@@ -5,9 +5,11 @@ use std::str::FromStr;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{ParticleOptions, read_frame, read_mesh};
+use fieldstone::io::{ParticleOptions, read_frame_with_warnings, read_mesh};
 use fieldstone::mesh::{Grid, Mesh};
 use fieldstone::particles::{Domain, Particles};
+
+use super::report;
 
 /// Where the cells come from.
 #[derive(Debug, Args)]
@@ -168,7 +170,7 @@ pub(crate) struct ParticleArguments {
 impl ParticleArguments {
     pub fn read(&self) -> anyhow::Result<Particles> {
         let options = ParticleOptions { allow_non_spherical: self.allow_non_spherical };
-        let particles = read_frame(&self.particles, &options, self.frame)?;
+        let (particles, warnings) = read_frame_with_warnings(&self.particles, &options, self.frame)?;
         let given = self.radius.or(self.diameter.map(|d| 0.5 * d));
         let particles = match given {
             Some(radius) => {
@@ -177,9 +179,16 @@ impl ParticleArguments {
             None => particles,
         };
         if particles.is_empty() {
-            bail!("{}: the frame holds no particle; choose another with --frame", self.particles.display());
+            // A pour begins, and an open flow ends, with such a frame: its fields are those of empty space.
+            report::warn(&format!(
+                "{}: the frame holds no particle: every field is that of empty space; another is chosen with --frame",
+                self.particles.display()
+            ));
+            return Ok(particles.with_radii(Vec::new())?);
         }
         particles.radii().map_err(|e| anyhow!("{}: {e}", self.particles.display()))?;
+        // A file that is refused needs no more said of it.
+        warnings.iter().for_each(|warning| report::warn(warning));
         Ok(particles)
     }
 }

@@ -538,7 +538,17 @@ fn write_time_folder(path: &Path, mesh: &Mesh, outcome: &Outcome, binary: bool) 
     if new && published.is_err() {
         let _ = std::fs::remove_dir(path);
     }
-    published.map(drop)
+    drop(published?);
+    // Of an earlier run, which this one does not replace.
+    for name in ["alpha.solids.uncapped", "alpha.solids.unsmoothed"].map(|name| path.join(name)) {
+        if name.is_file() && files.iter().all(|(_, to)| *to != name) {
+            report::warn(&format!(
+                "{}: the file is of an earlier run and does not belong to this result; remove it",
+                name.display()
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn write_table(path: &Path, cells: usize, centre: impl Fn(usize) -> [f64; 3], outcome: &Outcome) -> anyhow::Result<()> {

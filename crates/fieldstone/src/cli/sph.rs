@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
 use fieldstone::io::AtomicFile;
-use fieldstone::sph::{Case, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver};
+use fieldstone::sph::{Case, FluidOptions, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver, sound_speed_bound};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -99,13 +99,15 @@ struct Figures {
     free_surface: usize,
     neighbours: f64,
     time_step: f64,
-    steps: f64,
+    steps: u64,
     bytes: usize,
     seconds: f64,
     /// By how much the particles are heavier than the fills' shapes, relatively.
     excess_mass: f64,
     /// By how much those of each fill are heavier than the cells of its lattice.
     excess_of_fills: Vec<f64>,
+    #[serde(skip)]
+    covered_fills: Vec<(usize, usize)>,
 }
 
 impl Check {
@@ -116,9 +118,10 @@ impl Check {
         let case = Case::read(&self.case)?;
         let figures = measure(&case)?;
         warn_of_uneven_fills(&figures.excess_of_fills);
+        warn_of_covered_fills(&figures.covered_fills);
         let text = format!(
             "fluid                {}\nghost                {}\nfree surface         {}\nneighbours           {:.0}\n\
-             time step            {:.3e}\nsteps                {:.0}\nmemory               {:.2} GB\n\
+             time step            {:.3e}\nsteps                {}\nmemory               {:.2} GB\n\
              estimated time       {}\n{}",
             figures.fluid,
             figures.ghost,
@@ -148,6 +151,7 @@ impl Check {
 fn measure(case: &Case) -> anyhow::Result<Figures> {
     let prepared = case.prepare()?;
     let (excess_mass, excess_of_fills) = (prepared.excess_mass()?, prepared.excess_of_fills()?);
+    let covered_fills = prepared.covered_fills()?;
     let mut solver = prepared.solver()?;
     // Counted by the exact detection, whichever the case uses.
     let labels = solver.labels(&fieldstone::surface::Exact::default())?;
@@ -159,18 +163,19 @@ fn measure(case: &Case) -> anyhow::Result<Figures> {
     let start = Instant::now();
     solver.step()?;
     let seconds = start.elapsed().as_secs_f64();
-    let steps = case.sections.time.end / time_step;
+    let steps = (case.sections.time.end / time_step).ceil();
     Ok(Figures {
         fluid,
         ghost,
         free_surface,
         neighbours: solver.mean_neighbours()?,
         time_step,
-        steps,
+        steps: steps as u64,
         bytes: solver.bytes(),
         seconds: steps * seconds,
         excess_mass,
         excess_of_fills,
+        covered_fills,
     })
 }
 
@@ -184,6 +189,15 @@ fn warn_of_uneven_fills(excess: &[f64]) {
              fills lengths of a whole number of spacings, or another spacing",
             100.0 * excess.abs(),
             if excess > 0.0 { "heavy" } else { "light" },
+        ));
+    }
+}
+
+fn warn_of_covered_fills(covered: &[(usize, usize)]) {
+    for (nth, above) in covered {
+        report::warn(&format!(
+            "fill {nth} is hydrostatic from its own top on, but fill {above} lies upon it: the pressure begins without its weight; \
+             give fill {nth} surface, the level of the water at rest above it"
         ));
     }
 }
@@ -204,7 +218,8 @@ impl Run {
         // What cannot start leaves no folder behind.
         let prepared = case.prepare()?;
         warn_of_uneven_fills(&prepared.excess_of_fills()?);
-        let sound_speed = prepared.flow().fluid.sound_speed;
+        warn_of_covered_fills(&prepared.covered_fills()?);
+        let fluid = prepared.flow().fluid;
         let again = self.resume_command();
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
         let files = if self.resume { RunFolder::begun(&folder)? } else { RunFolder::create(&folder)? };
@@ -227,9 +242,11 @@ impl Run {
         let mut last = None;
         let start = Instant::now();
         let mut first_time = None;
+        let mut densest = 0.0f64;
         let outcome = prepared.run(&files, self.resume, &interrupt, |solver| {
             let first = *first_time.get_or_insert(solver.time());
             show(&bar, solver, case.sections.time.end, first, start);
+            densest = solver.state().density.iter().fold(densest, |most, &density| most.max(density));
             last = Some((*solver.phases(), solver.state().len(), *solver.budget(), solver.fastest(), solver.steps()));
         })?;
         bar.finish_and_clear();
@@ -241,11 +258,8 @@ impl Run {
             }
             text.push_str(&format!("largest speed        {fastest:.4}\n"));
             report::print(&text)?;
-            if fastest > TOO_FAST * sound_speed {
-                report::warn(&format!(
-                    "particles were as fast as {fastest:.4}, with a speed of sound of {sound_speed}: the fluid was compressible; \
-                     ten times their speed is asked for (Eq. 3): raise expected_speed or sound_speed"
-                ));
+            if let Some(warning) = too_compressible(&fluid, fastest, fluid.pressure(densest).max(0.0)) {
+                report::warn(&warning);
             }
             if budget.in_bodies > 0 {
                 report::warn(&format!(
@@ -278,8 +292,42 @@ impl Run {
     }
 }
 
-/// Speed over that of sound from which the density varies by some percent; drops that splash are fast, and do no harm.
+/// By how much the speed of sound that speeds and pressures ask for may be above the given one.
+const SLACK: f64 = 1.1;
+
+/// Speed over that of sound from which the density varies by some percent, whatever was expected.
 const TOO_FAST: f64 = 0.25;
+
+/// What to say of a flow whose largest speed or pressure breaks the bound of Eq. 3, and what to write into the case.
+fn too_compressible(fluid: &FluidOptions, speed: f64, pressure: f64) -> Option<String> {
+    let given = fluid.sound_speed;
+    let (by_speed, by_pressure) =
+        (sound_speed_bound(fluid.density, speed, 0.0), sound_speed_bound(fluid.density, 0.0, pressure));
+    let needed = by_speed.max(by_pressure);
+    if needed <= SLACK * given {
+        return None;
+    }
+    let (mut found, mut keys) = (Vec::new(), Vec::new());
+    if by_speed > SLACK * given {
+        found.push(format!("particles were as fast as {speed:.4}"));
+        keys.push(format!("expected_speed = {speed:.3}"));
+    }
+    if by_pressure > SLACK * given {
+        found.push(format!("the pressure rose to {pressure:.0}"));
+        keys.push(format!("expected_pressure = {pressure:.0}"));
+    }
+    let effect = if speed > TOO_FAST * given {
+        "the fluid was compressible"
+    } else {
+        "the density varies by more than 1 %, unless a few drops that splash are all it is about"
+    };
+    Some(format!(
+        "{}, which asks for a speed of sound of {needed:.3} (Eq. 3), with a speed of sound of {given}: {effect}; write {} into [fluid], \
+         and leave out sound_speed or raise it to the bound",
+        found.join(", and "),
+        keys.join(" and "),
+    ))
+}
 
 fn default_folder(case: &Path) -> PathBuf {
     let folder = case.with_extension("");

@@ -187,7 +187,7 @@ impl SphArguments {
         let file = frame.path.display();
         let dimension = usize::from(self.dimension);
         if particles.is_empty() {
-            bail!("{file}: the frame holds no particle; choose another with --frames");
+            report::warn(&format!("{file}: frame {} holds no particle, and nothing is found in it", frame.index));
         }
         if dimension == 2 {
             sph_checks::in_plane(particles.positions(), &file.to_string())?;
@@ -198,6 +198,9 @@ impl SphArguments {
             None => {
                 let fluid = fluid_positions(particles, candidates.as_deref());
                 let estimate = estimate_spacing(&fluid, dimension).map_err(|e| anyhow!("{file}: {e}"))?;
+                if particles.is_empty() {
+                    bail!("{file}: frame {} holds no particle to estimate a spacing from; give --spacing", frame.index);
+                }
                 let Some(estimate) = estimate else {
                     bail!("{file}: {} particles are too few to estimate their spacing; give --spacing", fluid.len());
                 };
@@ -298,7 +301,7 @@ impl SphArguments {
                 *fluid &= found != value;
             }
         }
-        if !fluid.contains(&true) {
+        if !fluid.is_empty() && !fluid.contains(&true) {
             bail!("--boundary: every particle is boundary; check the column and its value");
         }
         Ok(Some(fluid))

@@ -175,6 +175,9 @@ fn bounds_of(particles: &Particles) -> anyhow::Result<([f64; 3], [f64; 3])> {
     if let Some(domain) = particles.domain() {
         return Ok(domain.bounds());
     }
+    if particles.is_empty() {
+        bail!("the first frame holds no particle and states no box to lay cells over; give --grid, or other --frames");
+    }
     let radii = particles.radii()?;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for (p, r) in particles.positions().iter().zip(radii) {

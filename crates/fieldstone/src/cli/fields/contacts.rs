@@ -1,8 +1,12 @@
 //! Sources of contacts on the command line, where each may say how it is to be read.
 
+use std::fmt;
+
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, error::ErrorKind};
 use fieldstone::io::{ContactColumns, ContactOptions, ContactPreset};
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Files of contacts: one name or pattern, and what its columns mean.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,9 +27,68 @@ impl ContactSource {
 }
 
 /// All sources. A preset or a mapping belongs to the `--contacts` before it.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct ContactSources(pub Vec<ContactSource>);
+
+/// One of a list in TOML: a table, or a name alone.
+struct Listed(ContactSource);
+
+fn named(file: &str) -> ContactSource {
+    ContactSource { file: file.into(), preset: None, columns: None }
+}
+
+impl<'de> Deserialize<'de> for Listed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableOrName;
+
+        impl<'de> Visitor<'de> for TableOrName {
+            type Value = Listed;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a file, or a table [[contacts]] with file = \"NAME\"")
+            }
+
+            fn visit_str<E: de::Error>(self, file: &str) -> Result<Listed, E> {
+                Ok(Listed(named(file)))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Listed, A::Error> {
+                ContactSource::deserialize(MapAccessDeserializer::new(map)).map(Listed)
+            }
+        }
+
+        deserializer.deserialize_any(TableOrName)
+    }
+}
+
+impl<'de> Deserialize<'de> for ContactSources {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameOrList;
+
+        impl<'de> Visitor<'de> for NameOrList {
+            type Value = ContactSources;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a file, a list of names, or tables [[contacts]] with file = \"NAME\"")
+            }
+
+            fn visit_str<E: de::Error>(self, file: &str) -> Result<ContactSources, E> {
+                Ok(ContactSources(vec![named(file)]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<ContactSources, A::Error> {
+                let mut sources = Vec::new();
+                while let Some(Listed(source)) = list.next_element()? {
+                    sources.push(source);
+                }
+                Ok(ContactSources(sources))
+            }
+        }
+
+        deserializer.deserialize_any(NameOrList)
+    }
+}
 
 const FILE: &str = "contacts";
 const PRESET: &str = "contacts-preset";
@@ -83,10 +146,8 @@ impl FromArgMatches for ContactSources {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let placed = |id: &str| matches.indices_of(id).into_iter().flatten().collect::<Vec<usize>>();
         let files = matches.get_many::<String>(FILE).into_iter().flatten().cloned();
-        let mut sources: Vec<(usize, ContactSource)> = placed(FILE)
-            .into_iter()
-            .zip(files.map(|file| ContactSource { file, preset: None, columns: None }))
-            .collect();
+        let mut sources: Vec<(usize, ContactSource)> =
+            placed(FILE).into_iter().zip(files.map(|file| named(&file))).collect();
         let misplaced = |option: &str, why: &str| {
             Error::raw(ErrorKind::ArgumentConflict, format!("--{option} {why}; it belongs after its --contacts\n"))
         };

@@ -1,5 +1,6 @@
 //! Frames made ready for coarse graining, and what becomes of them over time.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use anyhow::{anyhow, bail};
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 use super::clock::Clock;
 use super::faces::{FaceFields, FaceSums};
 use super::settings::Settings;
+use crate::cli::report;
 
 /// A frame with everything that fields may need.
 pub(super) struct Frame {
@@ -43,7 +45,9 @@ impl Source<'_> {
         let SeriesFrame { index, path, mut particles, contacts } = frame;
         let name = format!("{}, frame {index}", path.display());
         if particles.is_empty() {
-            bail!("{name}: the frame holds no particle; leave it out with --frames");
+            // A pour begins, and an open flow ends, with such frames: means over time count them.
+            report::warn(&format!("{name}: the frame holds no particle: its fields are those of empty space"));
+            particles = of_no_particle(particles)?;
         }
         if let Some(radius) = settings.radius {
             particles = particles.with_uniform_radius(radius).map_err(|e| anyhow!("--radius: {e}"))?;
@@ -72,9 +76,32 @@ impl Source<'_> {
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;
         }
+        // The radii are no column of their own.
+        let of_radius = settings.quantities.iter().flat_map(|quantity| &quantity.columns).any(|name| name == "radius");
+        if of_radius && particles.quantity("radius").is_err() {
+            let data = particles.radii().map_err(|e| anyhow!("{name}: {e}; give one for all with --radius"))?.to_vec();
+            particles = particles.with_quantity(Quantity { name: "radius".into(), components: 1, data })?;
+        }
         let time = self.clock.time_of(&path, index, &particles);
         Ok(Frame { index, time, name, particles, contacts, faces: None })
     }
+}
+
+/// A frame without particles, with columns without rows: not every format has columns where there is no row.
+fn of_no_particle(particles: Particles) -> anyhow::Result<Particles> {
+    let mut completed = particles.with_radii(Vec::new())?.with_ids(Vec::new())?.with_types(Vec::new())?;
+    for (name, components) in [("mass", 1), ("velocity", 3)] {
+        completed = without_rows(completed, name, components)?;
+    }
+    Ok(completed)
+}
+
+/// The same with one more column, where it is missing.
+fn without_rows(particles: Particles, name: &str, components: usize) -> anyhow::Result<Particles> {
+    if particles.quantity(name).is_ok() {
+        return Ok(particles);
+    }
+    Ok(particles.with_quantity(Quantity { name: name.into(), components, data: Vec::new() })?)
 }
 
 impl Frame {
@@ -186,8 +213,25 @@ impl<'a, C: Cells> Running<'a, C> {
     }
 
     fn add(&mut self, frame: &Frame, weight: f64) -> anyhow::Result<()> {
+        let mut particles = Cow::Borrowed(&frame.particles);
+        if particles.is_empty() {
+            let columns = self.plan.options.quantities.iter().flat_map(|quantity| &quantity.columns);
+            let mut completed = without_rows(frame.particles.clone(), "angular_velocity", 3)?;
+            completed = without_rows(completed, "displacement", 3)?;
+            for column in columns {
+                // Of a vector the columns are named one by one, its last component last.
+                let component = column.strip_suffix(']').and_then(|c| c.rsplit_once('['));
+                let component = component.and_then(|(name, k)| Some((name, k.parse::<usize>().ok()?)));
+                completed = match component {
+                    Some((name, _)) if completed.quantity(name).is_ok() => completed,
+                    Some((name, _)) => without_rows(completed, name, 9)?,
+                    None => without_rows(completed, column, 1)?,
+                };
+            }
+            particles = Cow::Owned(completed);
+        }
         for grains in std::iter::once(&mut self.all).chain(&mut self.species) {
-            grains.accumulate(&frame.particles, frame.contacts.as_ref(), weight).map_err(|e| frame.placed(e))?;
+            grains.accumulate(&particles, frame.contacts.as_ref(), weight).map_err(|e| frame.placed(e))?;
         }
         if let Some(faces) = &frame.faces {
             self.faces.add(faces, weight);

@@ -100,8 +100,14 @@ impl<'a> Run<'a> {
                 Function::Kernel(Kernel::new(shape, width, cutoff).map_err(|e| anyhow!("--width, --cutoff: {e}"))?)
             }
         };
-        let mut fields = FieldName::parse_list(settings.fields.as_deref().unwrap_or("standard"))
-            .map_err(|e| anyhow!("--fields: {e}"))?;
+        let asked = settings.fields.as_deref().unwrap_or("standard");
+        // Made of the density after all frames.
+        let weight = |word: &str| word.trim() == "body_force_density";
+        if asked.split(',').any(weight) && self.gravity.is_none() {
+            bail!("--fields body_force_density: the density's weight needs --gravity GX,GY,GZ");
+        }
+        let asked: Vec<&str> = asked.split(',').map(|word| if weight(word) { "density" } else { word }).collect();
+        let mut fields = FieldName::parse_list(&asked.join(",")).map_err(|e| anyhow!("--fields: {e}"))?;
         if self.contacts.is_empty() && matches!(settings.fields.as_deref(), None | Some("all")) {
             fields.retain(|field| !field.needs_contacts());
         }

@@ -15,16 +15,16 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::contacts::ContactSources;
 use crate::cli::arguments::positive;
 
-/// Numbers: separated by commas on the command line, a list in TOML, or one number in either.
+/// Numbers: separated by commas on the command line, a list or the same text in TOML, or one number in either.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Numbers<T>(pub Vec<T>);
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Numbers<T> {
+impl<'de, T: Deserialize<'de> + FromStr> Deserialize<'de> for Numbers<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct OneOrMore<T>(PhantomData<T>);
 
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrMore<T> {
+        impl<'de, T: Deserialize<'de> + FromStr> Visitor<'de> for OneOrMore<T> {
             type Value = Numbers<T>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -37,6 +37,10 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Numbers<T> {
 
             fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
                 T::deserialize(number.into_deserializer()).map(|one| Numbers(vec![one]))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+                text.parse().map_err(E::custom)
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
@@ -419,7 +423,17 @@ impl Settings {
         toml::from_str(&text).map_err(|error| {
             let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
             let place = line.map_or(String::new(), |line| format!(":{line}"));
-            anyhow!("{}{place}: {}", path.display(), error.message().replace("unknown field", "unknown key"))
+            let message = error.message();
+            // They follow their --contacts on the command line, and stand beside its file here.
+            let remedy = if ["contacts-preset", "contacts-columns"]
+                .iter()
+                .any(|key| message.contains(&format!("field `{key}`")))
+            {
+                "; write [[contacts]], and below it file = \"NAME\" with preset = \"NAME\" or columns = \"MAP\""
+            } else {
+                ""
+            };
+            anyhow!("{}{place}: {}{remedy}", path.display(), message.replace("unknown field", "unknown key"))
         })
     }
 

@@ -94,7 +94,11 @@ struct Table {
 
 /// Reads a field of the file; of a file over time, at the block or step `frame` (negative from the end).
 pub(super) fn read(path: &Path, field: &str, frame: i64) -> anyhow::Result<Plotted> {
-    let table = match ending_of_input(path).as_str() {
+    let ending = ending_of_input(path);
+    if matches!(ending.as_str(), "vti" | "vtu" | "csv") {
+        place(path, frame, 1)?;
+    }
+    let table = match ending.as_str() {
         "vti" | "vtu" => from_vtk(path, field)?,
         "pvd" => {
             let steps = vtk::read_pvd(path)?;
