@@ -11,7 +11,7 @@ use fieldstone_io::{AtomicFile, IoError, write_number};
 use fieldstone_particles::{Particles, Quantity};
 
 use crate::gauges::{gauge_columns, gauge_row};
-use crate::{Case, Prepared, Solver, SphError};
+use crate::{Boundaries, Case, Prepared, Solver, SphError};
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,7 +198,7 @@ impl Prepared<'_> {
 }
 
 /// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and
-/// volumes are known.
+/// volumes are known. Those beyond a periodic face, which the solver wraps with its next lists, are where they come in.
 ///
 /// # Errors
 /// [`SphError::Particles`] where a position is not finite.
@@ -216,7 +216,15 @@ pub fn particles_of(solver: &Solver) -> Result<Particles, SphError> {
         components: 3,
         data: order.iter().flat_map(|&i| values[i]).collect(),
     };
-    let mut particles = Particles::new(order.iter().map(|&i| state.x[i]).collect())?
+    let Boundaries { low, high, periodic, .. } = &solver.flow().boundaries;
+    let wrapped = |x: [f64; 3]| {
+        std::array::from_fn(|k| match high[k] - low[k] {
+            length if periodic[k] && x[k] < low[k] => x[k] + length,
+            length if periodic[k] && x[k] >= high[k] => x[k] - length,
+            _ => x[k],
+        })
+    };
+    let mut particles = Particles::new(order.iter().map(|&i| wrapped(state.x[i])).collect())?
         .with_ids(order.iter().map(|&i| i64::from(state.id[i])).collect())?
         .with_quantity(vector("velocity", &state.u))?
         .with_quantity(scalar("density", &|i| state.density[i]))?

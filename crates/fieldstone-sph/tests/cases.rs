@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, level_over, run};
+use fieldstone_sph::{Case, RunFolder, SHIPPED, Solver, level_over, particles_of, run};
 
 fn shipped(name: &str) -> Case {
     let case = SHIPPED.iter().find(|c| c.name == name).unwrap();
@@ -386,5 +386,50 @@ fn levels_are_measured_against_gravity() {
         let solver = Case::parse(&text, "c.toml").unwrap().solver().unwrap();
         let found = level_over(&solver, [at[0], at[1], 0.0]);
         assert!((found - level).abs() < 1e-9, "{gravity}: {found} for {level}");
+    }
+}
+
+/// Fluid that fills a box of periods, and moves along x.
+const STREAM: &str = r#"
+dimension = 2
+spacing = 0.1
+[domain]
+low = [0, 0]
+high = [1, 1]
+periodic = ["x", "y"]
+[fluid]
+density = 1000
+expected_speed = 1
+gravity = [0, 0]
+[time]
+end = 1
+[[fill]]
+shape = "box"
+low = [0, 0]
+high = [1, 1]
+flow = "uniform"
+velocity = [1, 0]
+"#;
+
+#[test]
+fn frames_hold_particles_of_a_periodic_flow_within_its_period() {
+    let mut solver = Case::parse(STREAM, "c.toml").unwrap().solver().unwrap();
+    let mut beyond = 0;
+    while solver.time() < 0.3 {
+        solver.step().unwrap();
+        beyond += solver.state().x.iter().filter(|x| x[0] >= 1.0).count();
+        let frame = particles_of(&solver).unwrap();
+        assert!(frame.positions().iter().all(|x| (0.0..1.0).contains(&x[0]) && (0.0..1.0).contains(&x[1])));
+    }
+    // The solver's own are not always.
+    assert!(beyond > 0);
+}
+
+#[test]
+fn a_front_along_a_period_is_refused() {
+    let with = |axis: &str| format!("{STREAM}[[gauge]]\nname = \"f\"\nkind = \"front\"\naxis = \"{axis}\"\n");
+    for axis in ["x", "-x", "y"] {
+        let error = Case::parse(&with(axis), "c.toml").unwrap_err().to_string();
+        assert!(error.contains("c.toml:23: along a periodic axis there is no front"), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::flows::top_level;
 use super::keys::{positive, vector};
-use super::{Case, FlowName, WallKind};
+use super::{Case, FlowName, GaugeKind, WallKind};
 use crate::{Flow, FluidOptions, SphError, State, gauge_columns, sound_speed_bound};
 
 /// Most particles of a case: their numbers have 32 bits, and their positions alone take 6 GB.
@@ -51,6 +51,11 @@ impl Case {
             gauge
                 .check(s.body.len(), &s.domain.low, &s.domain.high)
                 .map_err(|(key, message)| self.fault("gauge", nth, key, message))?;
+            let way = gauge.axis.unwrap_or_default().axis();
+            if gauge.kind == GaugeKind::Front && s.domain.periodic.iter().any(|&axis| axis as usize == way) {
+                let message = "along a periodic axis there is no front: what leaves comes in again; give another axis";
+                return Err(self.fault("gauge", nth, "axis", message));
+            }
             let taken = gauge_columns(&s.gauge[..nth], true);
             let of_flow = gauge_columns(&[], true).len();
             let own = gauge_columns(std::slice::from_ref(gauge), true).split_off(of_flow);
