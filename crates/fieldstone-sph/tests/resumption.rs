@@ -196,15 +196,19 @@ fn cadences_beyond_all_measure_are_no_reason_to_stop() {
     assert_eq!(read_pvd(&folder.series()).unwrap().len(), steps + 1);
 }
 
+/// One particle is fast at the start only: friction brakes it.
+fn with_a_fast_particle(case: &Case) -> Solver {
+    let mut state = case.state().unwrap();
+    state.u[190] = [4.0, 0.0, 0.0];
+    Solver::new(case.flow().unwrap(), state).unwrap()
+}
+
 #[test]
 fn the_largest_speed_is_that_since_time_0_after_a_stop_too() {
     let space = tempfile::tempdir().unwrap();
     let path = space.path().join("checkpoint.bin");
     let case = small(0.02, 0.1);
-    let mut state = case.state().unwrap();
-    // One particle is fast at the start only: friction brakes it.
-    state.u[190] = [4.0, 0.0, 0.0];
-    let mut solver = Solver::new(case.flow().unwrap(), state).unwrap();
+    let mut solver = with_a_fast_particle(&case);
     solver.step().unwrap();
     solver.write_checkpoint(&path).unwrap();
     assert_eq!(solver.fastest(), 4.0);
@@ -218,9 +222,7 @@ fn questions_to_a_solver_change_neither_its_checkpoint_nor_its_largest_speed() {
     let space = tempfile::tempdir().unwrap();
     let path = space.path().join("checkpoint.bin");
     let case = small(0.02, 0.1);
-    let mut state = case.state().unwrap();
-    state.u[190] = [4.0, 0.0, 0.0];
-    let mut solver = Solver::new(case.flow().unwrap(), state).unwrap();
+    let mut solver = with_a_fast_particle(&case);
     // Also where lists are due.
     for _ in 0..30 {
         solver.write_checkpoint(&path).unwrap();
