@@ -63,6 +63,13 @@ pub(crate) struct Side {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct EdgeFrames {
     pub planes: Vec<Plane>,
+    /// The planes again, four at a time: the components of minus their normals, and their offsets. Infinitely far where there
+    /// is none.
+    pub blocks: Vec<[[f64; 4]; 4]>,
+    /// Lower and upper corner of the box around it, padded with 0.
+    pub bounds: [[f64; 4]; 2],
+    /// Radius, squared, of the smallest ball that the box's diagonal fits in: no smaller one holds the polyhedron.
+    pub least_radius2: f64,
     pub edges: Vec<Edge>,
     /// The largest flatness of a piece.
     pub flatness: f64,
@@ -138,6 +145,23 @@ impl EdgeFrames {
                 sides,
             });
         }
+        this.blocks = this.planes.chunks(4).map(block).collect();
+        let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        this.bounds = [low, high].map(|corner| [corner.x, corner.y, corner.z, 0.0]);
+        this.least_radius2 = 0.25 * (high - low).length_squared();
         Some(this)
     }
+}
+
+/// Up to four planes, see [`EdgeFrames::blocks`].
+fn block(planes: &[Plane]) -> [[f64; 4]; 4] {
+    let mut rows = [[0.0; 4], [0.0; 4], [0.0; 4], [f64::INFINITY; 4]];
+    for (k, plane) in planes.iter().enumerate() {
+        for (row, component) in rows.iter_mut().zip(plane.normal) {
+            row[k] = -component;
+        }
+        rows[3][k] = plane.offset;
+    }
+    rows
 }

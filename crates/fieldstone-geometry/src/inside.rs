@@ -2,10 +2,12 @@
 
 use std::f64::consts::PI;
 
-use pulp::{Simd, WithSimd};
+use pulp::{NullaryFnOnce, Scalar, Simd, WithSimd};
 
 use crate::edge_frames::{EdgeFrames, MOST_PIECES};
-use crate::lanes::{Lanes, PlacedBalls, Register, Single, sums_inside};
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Single;
+use crate::lanes::{Lanes, OneNumber, PlacedBalls, Register, sums_inside};
 use crate::{Ball, PROMISE, Polyhedron};
 
 /// Rounding error of the volume in units of ε κ r³ / δ, beyond what [`crate::ErrorBound`] counts, with δ the distance of a corner
@@ -17,6 +19,22 @@ const NEAR: f64 = 1.0 / 64.0;
 
 /// Margin of decisions on squared distances, as in [`crate::overlap::placement`].
 const MARGIN: f64 = 8.0 * f64::EPSILON;
+
+const FEW: usize = 4;
+const SOME: usize = 8;
+
+/// Room for the pieces there are: powers of two, of which remainders cost nothing.
+#[inline(always)]
+fn room(frames: &EdgeFrames) -> usize {
+    let pieces = frames.planes.len();
+    if pieces <= FEW {
+        FEW
+    } else if pieces <= SOME {
+        SOME
+    } else {
+        MOST_PIECES
+    }
+}
 
 /// What is found for one ball.
 #[derive(Debug, Clone, Copy)]
@@ -39,37 +57,53 @@ struct Volumes<L: Lanes> {
 }
 
 /// Volume of a ball in an element that has frames.
+#[inline]
 pub(crate) fn inside_volume(ball: &Ball, element: &Polyhedron, frames: &EdgeFrames) -> InsideVolume {
-    pulp::Arch::new().dispatch(OneBall { ball, element, frames })
-}
-
-struct OneBall<'a> {
-    ball: &'a Ball,
-    element: &'a Polyhedron,
-    frames: &'a EdgeFrames,
-}
-
-impl WithSimd for OneBall<'_> {
-    type Output = InsideVolume;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> InsideVolume {
-        if const { Register::<S>::FUSED } { self.volume::<true>() } else { self.volume::<false>() }
+    match room(frames) {
+        FEW => one_ball::<FEW>(ball, element, frames),
+        SOME => one_ball::<SOME>(ball, element, frames),
+        _ => one_ball::<MOST_PIECES>(ball, element, frames),
     }
 }
 
-impl OneBall<'_> {
+#[inline]
+fn one_ball<const N: usize>(ball: &Ball, element: &Polyhedron, frames: &EdgeFrames) -> InsideVolume {
+    #[cfg(target_arch = "x86_64")]
+    match pulp::Arch::new() {
+        pulp::Arch::V4(simd) => {
+            return simd.vectorize(OneBall::<_, N> { ball, element, frames, like: Single(*simd, 0.0) });
+        }
+        pulp::Arch::V3(simd) => {
+            return simd.vectorize(OneBall::<_, N> { ball, element, frames, like: Single(simd, 0.0) });
+        }
+        _ => {}
+    }
+    OneBall::<_, N> { ball, element, frames, like: Register::splat(Scalar, 0.0) }.call()
+}
+
+struct OneBall<'a, L, const N: usize> {
+    ball: &'a Ball,
+    element: &'a Polyhedron,
+    frames: &'a EdgeFrames,
+    /// Says of what kind the numbers are.
+    like: L,
+}
+
+impl<L: OneNumber, const N: usize> NullaryFnOnce for OneBall<'_, L, N> {
+    type Output = InsideVolume;
+
     #[inline(always)]
-    fn volume<const FUSED: bool>(&self) -> InsideVolume {
+    fn call(self) -> InsideVolume {
         let origin = self.element.origin().to_array();
         let c = self.ball.centre();
-        let centre = [Single::<FUSED>(c[0] - origin[0]), Single(c[1] - origin[1]), Single(c[2] - origin[2])];
-        let found = volumes(self.element, self.frames, centre, Single(self.ball.radius()));
+        let at = self.like;
+        let centre = [at.like(c[0] - origin[0]), at.like(c[1] - origin[1]), at.like(c[2] - origin[2])];
+        let found = volumes_of::<L, N>(self.element, self.frames, centre, at.like(self.ball.radius()));
         InsideVolume {
-            volume: found.volume.0,
-            error: found.error.0,
-            promised: found.promised,
-            evaluated: !found.settled,
+            volume: found.volume.number(),
+            error: found.error.number(),
+            promised: L::any(found.promised),
+            evaluated: !L::any(found.settled),
         }
     }
 }
@@ -219,12 +253,11 @@ impl<B: Fn(usize) -> Ball, F: FnMut(usize, InsideVolume)> ManyBalls<'_, B, F> {
     }
 }
 
-/// With room for the pieces there are: powers of two, of which remainders cost nothing.
 #[inline(always)]
 fn volumes<L: Lanes>(element: &Polyhedron, frames: &EdgeFrames, centre: [L; 3], radius: L) -> Volumes<L> {
-    match frames.planes.len() {
-        ..=4 => volumes_of::<L, 4>(element, frames, centre, radius),
-        5..=8 => volumes_of::<L, 8>(element, frames, centre, radius),
+    match room(frames) {
+        FEW => volumes_of::<L, FEW>(element, frames, centre, radius),
+        SOME => volumes_of::<L, SOME>(element, frames, centre, radius),
         _ => volumes_of::<L, MOST_PIECES>(element, frames, centre, radius),
     }
 }
@@ -239,23 +272,12 @@ fn volumes_of<L: Lanes, const N: usize>(
     let (zero, one) = (radius.like(0.0), radius.like(1.0));
     let whole = radius.like(element.volume());
     let r2 = radius * radius;
-    let (low, high) = element.low_high();
-    let (low, high) = (low.to_array(), high.to_array());
-    let (mut near2, mut far2) = (zero, zero);
-    for k in 0..3 {
-        let (to_low, to_high) = (centre[k] - radius.like(low[k]), radius.like(high[k]) - centre[k]);
-        let gap = (-to_low).max(-to_high).max(zero);
-        near2 = gap.mul_add(gap, near2);
-        let far = to_low.abs().max(to_high.abs());
-        far2 = far.mul_add(far, far2);
-    }
+    let (near2, far2) = L::to_box(&centre, &frames.bounds);
     let apart = !near2.less(r2 * radius.like(1.0 + MARGIN));
     let surely = r2 * radius.like(1.0 - MARGIN);
     // Where the far corner of the box is inside, all corners are; else they are looked at where they fit at all.
     let mut covered = !surely.less(far2);
-    let extent = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
-    let diagonal2 = extent[0] * extent[0] + extent[1] * extent[1] + extent[2] * extent[2];
-    let perhaps = !covered & !r2.less(radius.like(0.25 * diagonal2));
+    let perhaps = !covered & !r2.less(radius.like(frames.least_radius2));
     if L::any(perhaps) {
         let mut all = perhaps;
         for v in element.vertices() {
@@ -264,6 +286,9 @@ fn volumes_of<L: Lanes, const N: usize>(
                 [radius.like(v[0]) - centre[0], radius.like(v[1]) - centre[1], radius.like(v[2]) - centre[2]];
             let distance2 = z.mul_add(z, y.mul_add(y, x * x));
             all = all & !surely.less(distance2);
+            if !L::any(all) {
+                break;
+            }
         }
         covered = covered | all;
     }

@@ -61,12 +61,13 @@ fn pair<L: Lanes>(k: usize, z2: L) -> L {
 #[cfg(test)]
 mod tests {
     use fieldstone_testing::Random;
+    use pulp::Scalar;
 
-    use super::super::lane::Single;
+    use super::super::lane::{OneNumber, Register};
     use super::*;
 
     fn angle(y: f64, x: f64) -> f64 {
-        atan2(Single::<false>(y), Single::<false>(x)).0
+        atan2(Register::splat(Scalar, y), Register::splat(Scalar, x)).number()
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::arctangent::atan2;
 use super::lane::Lanes;
+use super::planes::height;
 use crate::edge_frames::{Edge, EdgeFrames, Plane};
 
 /// How much nearer than a corner to its foot an edge may be to the centre.
@@ -85,19 +86,26 @@ impl<L: Lanes> Turning<L> {
         }
     }
 
+    /// The vector whose angle is the sum but for whole turns: −0 would be the angle −π where the rule above has counted π.
     #[inline(always)]
-    fn angle(self) -> L {
-        // −0 would be the angle −π where the rule above has counted π.
-        let remainder = atan2(self.im + self.im.like(0.0), self.re);
+    fn vector(&self) -> (L, L) {
+        (self.im + self.im.like(0.0), self.re)
+    }
+
+    #[inline(always)]
+    fn angle(&self, remainder: L) -> L {
         self.turns.mul_add(self.re.like(TAU), remainder)
     }
 }
 
 /// A piece as the ball sees it, and its sums.
+///
+/// Kept piece by piece. Arrays of one quantity each would be set by the compiler in registers of eight numbers, where the machine
+/// has them: for a single ball that costs more than all of the arrays.
 #[derive(Clone, Copy)]
-struct Face<L: Lanes> {
-    distance: L,
-    reached: L::Mask,
+#[repr(align(32))]
+pub(crate) struct Face<L: Lanes> {
+    pub distance: L,
     /// Whether the foot P of the centre is inside all edges.
     foot_inside: L::Mask,
     any_edge: bool,
@@ -108,31 +116,36 @@ struct Face<L: Lanes> {
 }
 
 impl<L: Lanes> Face<L> {
+    /// The vector whose angle is that of the turn: −0 would be the angle −π.
+    #[inline(always)]
+    fn vector(&self) -> (L, L) {
+        (self.turn.1 + self.turn.1.like(0.0), self.turn.0)
+    }
+
     /// $\sum \Delta\varphi$ over the pieces of edges inside the disc of a convex polygon.
     ///
     /// From outside, a convex polygon is seen under less than half a turn, so the angle of the product is the sum. From
     /// inside the sum is between 0 and a whole turn: it is the angle, or a turn more. Where the angle is near 0, so that rounding
     /// may have taken its sign, it is a turn more if the triangles have an area: their edges are not that near.
     #[inline(always)]
-    fn turn(&self) -> L {
-        let zero = self.distance.like(0.0);
-        let tiny = self.distance.like(1e-6);
-        // −0 would be the angle −π.
-        let angle = atan2(self.turn.1 + zero, self.turn.0);
+    fn turn(&self, angle: L) -> L {
+        let (zero, tiny) = (angle.like(0.0), angle.like(1e-6));
         let more = angle.less(-tiny) | (angle.less(tiny) & tiny.less(self.triangles));
         angle + L::select(self.foot_inside & more, angle.like(TAU), zero)
     }
 }
 
-/// offset − direction · centre, in radii.
-///
-/// Scaled last: near a plane the difference is small and nearly exact, as it would not be of numbers already rounded to a
-/// multiple of 1 / radius.
+/// Angles of the turns of the first three pieces in reach, and of the sum over all.
 #[inline(always)]
-fn height<L: Lanes>(offset: f64, direction: &[f64; 3], balls: &PlacedBalls<L>) -> L {
-    let [x, y, z] = balls.centre;
-    let xy = y.like(-direction[1]).mul_add(y, x.like(-direction[0]).mul_add(x, x.like(offset)));
-    z.like(-direction[2]).mul_add(z, xy) * balls.scale
+fn first_angles<L: Lanes, const N: usize>(faces: &[Face<L>; N], in_reach: u32, sum: &Turning<L>) -> [L; 4] {
+    let first = in_reach;
+    let second = first & first.wrapping_sub(1);
+    let third = second & second.wrapping_sub(1);
+    // Where there are less than three, the angle of some other is found in vain.
+    let (a, b) =
+        (faces[first.trailing_zeros() as usize % N].vector(), faces[second.trailing_zeros() as usize % N].vector());
+    let (c, d) = (faces[third.trailing_zeros() as usize % N].vector(), sum.vector());
+    L::arc_tangents([a.0, b.0, c.0, d.0], [a.1, b.1, c.1, d.1])
 }
 
 /// Volume and error bound of unit balls with a polyhedron of up to N pieces, from the parts of its edges inside.
@@ -167,38 +180,28 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     let scale = balls.scale;
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
     let (no, yes) = (zero.less(zero), zero.less(one));
-    let empty =
-        Face { distance: one, reached: no, foot_inside: yes, any_edge: false, triangles: zero, turn: (one, zero) };
-    let mut faces = [empty; N];
-    let (mut apart, mut beyond, mut centre_inside) = (no, no, yes);
-    let mut unresolved = zero;
-    let beyond_plane = scale.like(-1.0 - 1e-9);
-    // A bit for each piece that any of the balls reaches, for the edges of one such piece, and for those of two.
-    let (mut in_reach, mut of_one, mut of_two) = (0u32, 0u64, 0u64);
-    for (k, (face, plane)) in faces.iter_mut().zip(&frames.planes).enumerate() {
-        face.distance = height(plane.offset, &plane.normal, balls);
-        face.reached = face.distance.abs().less(one);
-        let any = L::any(face.reached);
-        let edges = if any { plane.edges } else { 0 };
-        in_reach |= u32::from(any) << k;
+    let mut faces = [Face { distance: one, foot_inside: yes, any_edge: false, triangles: zero, turn: (one, zero) }; N];
+    let seen = L::planes(frames, balls, &mut faces);
+    // A bit for each edge of one piece that any of the balls reaches, and for those of two.
+    let (mut of_one, mut of_two) = (0u64, 0u64);
+    let mut pieces = seen.in_reach;
+    while pieces != 0 {
+        let edges = frames.planes[pieces.trailing_zeros() as usize % N].edges;
+        pieces &= pieces - 1;
         of_two |= of_one & edges;
         of_one |= edges;
-        apart = apart | face.distance.less(beyond_plane);
-        beyond = beyond | !(-one).less(face.distance);
-        centre_inside = centre_inside & !face.distance.less(zero);
-        unresolved = unresolved + L::select(face.distance.abs().less(balls.resolution), one, zero);
     }
     // The foot on a piece cannot be beyond an edge to one out of reach, where edges are sharp and the ball is not apart: but if
     // that is hidden by rounding, nothing is sure.
     of_one = if frames.sharp { 0 } else { of_one & !of_two };
-    let doubtful = one.less(unresolved) | if frames.sharp { beyond } else { no };
+    let doubtful = seen.unresolved | if frames.sharp { seen.beyond } else { no };
     let mut sums = InsideSums {
         volume3: zero,
         sensitivity: zero,
         warped_area: zero,
         touched: no,
-        apart: if convex { apart } else { no },
-        centre_inside,
+        apart: if convex { seen.apart } else { no },
+        centre_inside: seen.centre_inside,
         nearest2: L::select(doubtful, zero, one),
     };
     let mut angle = Turning::zero(scale);
@@ -207,7 +210,7 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
     while of_one != 0 {
         let [first, second] = &frames.edges[of_one.trailing_zeros() as usize].sides;
         of_one &= of_one - 1;
-        let side = if in_reach >> first.piece & 1 == 1 { first } else { second };
+        let side = if seen.in_reach >> first.piece & 1 == 1 { first } else { second };
         let face = &mut faces[side.piece as usize % N];
         face.foot_inside = face.foot_inside & !height(side.offset, &side.outward, balls).less(zero);
     }
@@ -216,13 +219,33 @@ pub(crate) fn sums_inside<L: Lanes, const N: usize>(
         of_two &= of_two - 1;
         any_edge |= add_edge(edge, balls, &mut faces, &mut angle, &mut sums.nearest2);
     }
-    while in_reach != 0 {
-        let k = in_reach.trailing_zeros() as usize % N;
-        in_reach &= in_reach - 1;
-        add_face(&faces[k], &frames.planes[k], scale, &mut sums);
+    let mut first = [zero; 4];
+    if any_edge {
+        if L::FOUR_AT_ONCE {
+            first = first_angles(&faces, seen.in_reach, &angle);
+        } else {
+            let (y, x) = angle.vector();
+            first[3] = atan2(y, x);
+        }
+    }
+    let (mut pieces, mut count) = (seen.in_reach, 0);
+    while pieces != 0 {
+        let k = pieces.trailing_zeros() as usize % N;
+        pieces &= pieces - 1;
+        let face = &faces[k];
+        let turn = if !face.any_edge {
+            zero
+        } else if L::FOUR_AT_ONCE && count < 3 {
+            first[count]
+        } else {
+            let (y, x) = face.vector();
+            atan2(y, x)
+        };
+        count += 1;
+        add_face(face, turn, &frames.planes[k], scale, &mut sums);
     }
     if any_edge {
-        sums.volume3 = sums.volume3 - angle.angle();
+        sums.volume3 = sums.volume3 - angle.angle(first[3]);
     }
     if !convex {
         // Without the 4π of a centre inside the sum lies between −4π and 0, otherwise between 0 and 4π.
@@ -293,7 +316,7 @@ fn add_edge<L: Lanes, const N: usize>(
     let (i, j) = (first.piece as usize % N, second.piece as usize % N);
     let mut h = [height(first.offset, &first.outward, balls), height(second.offset, &second.outward, balls)];
     let d = faces[i].distance;
-    let entered = faces[i].reached & faces[j].reached & zero.less((one - d).mul_add(one + d, -(h[0] * h[0])));
+    let entered = L::reaches(d) & L::reaches(faces[j].distance) & zero.less((one - d).mul_add(one + d, -(h[0] * h[0])));
     let mut d = [d, faces[j].distance];
     let (mut a, mut b) = (zero, zero);
     if L::any(entered) {
@@ -327,8 +350,11 @@ fn add_edge<L: Lanes, const N: usize>(
     // of which the divisor multiplies the other part of the complex number instead.
     let one_side = zero.less(product);
     let (far, close) = (high * r_low, low * r_high);
-    let divisor = L::select(one_side, (far + close).abs(), one);
-    let lever = L::select(one_side, beyond * width * (high + low).abs(), far - close);
+    let (mut divisor, mut lever) = (one, far - close);
+    if L::any(one_side) {
+        divisor = L::select(one_side, (far + close).abs(), divisor);
+        lever = L::select(one_side, beyond * width * (high + low).abs(), lever);
+    }
     let radii = r_low * r_high;
 
     for (at, h, d) in [(i, h[0], d[0].abs()), (j, h[1], d[1].abs())] {
@@ -349,17 +375,19 @@ fn add_edge<L: Lanes, const N: usize>(
     true
 }
 
+/// Adds a piece to the sums, given the angle of its turn where it has edges in the ball.
 #[inline(always)]
-fn add_face<L: Lanes>(face: &Face<L>, plane: &Plane, scale: L, sums: &mut InsideSums<L>) {
+fn add_face<L: Lanes>(face: &Face<L>, angle: L, plane: &Plane, scale: L, sums: &mut InsideSums<L>) {
     let (zero, one) = (scale.like(0.0), scale.like(1.0));
     let d = face.distance;
+    let reached = L::reaches(d);
     let to_pole = one - d.abs();
     let s2 = to_pole * (one + d.abs());
     let whole = L::select(face.foot_inside, scale.like(TAU), zero);
-    let rest = if face.any_edge { whole - face.turn() } else { whole };
+    let rest = if face.any_edge { whole - face.turn(angle) } else { whole };
     let area = scale.like(0.5) * s2.mul_add(rest, face.triangles);
-    let area = L::select(face.reached, area.max(zero), zero);
-    let rest = L::select(face.reached, rest, zero);
+    let area = L::select(reached, area.max(zero), zero);
+    let rest = L::select(reached, rest, zero);
     let flat = to_pole * rest;
     sums.volume3 = sums.volume3 + d.mul_add(area, L::select(d.less(zero), flat, -flat));
     let meets = zero.less(area);
@@ -370,15 +398,19 @@ fn add_face<L: Lanes>(face: &Face<L>, plane: &Plane, scale: L, sums: &mut Inside
 
 #[cfg(test)]
 mod tests {
-    use super::super::lane::Single;
+    use pulp::Scalar;
+
+    use super::super::lane::{OneNumber, Register};
     use super::*;
 
     fn sum(factors: &[(f64, f64)]) -> f64 {
-        let mut turning = Turning::zero(Single::<false>(0.0));
+        let number = |x| Register::splat(Scalar, x);
+        let mut turning = Turning::zero(number(0.0));
         for &(re, im) in factors {
-            turning.add(Single(re), Single(im));
+            turning.add(number(re), number(im));
         }
-        turning.angle().0
+        let (y, x) = turning.vector();
+        turning.angle(atan2(y, x)).number()
     }
 
     #[test]

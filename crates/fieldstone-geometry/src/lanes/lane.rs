@@ -2,11 +2,19 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use pulp::{Simd, bytemuck};
+use pulp::{Scalar, Simd, bytemuck};
+
+use super::arctangent::atan2;
+use super::inside::{Face, PlacedBalls};
+use super::planes::{PlanesSeen, plane_by_plane};
+use crate::edge_frames::EdgeFrames;
 
 /// A number, or a register of numbers: what the kernels of this module are written in.
 ///
 /// There is no NaN among them, so comparisons have two answers.
+///
+/// The provided methods go through axes, planes and angles one after another, each for a register of balls. Where there is one
+/// ball, a register holds the axes, planes or angles instead, with the same bits.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -29,78 +37,68 @@ pub(crate) trait Lanes:
 
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     fn any(mask: Self::Mask) -> bool;
+
+    /// Whether [`Lanes::arc_tangents`] takes the time of one.
+    const FOUR_AT_ONCE: bool = false;
+
+    /// Squares of the distances to the nearest and to the farthest point of a box, both corners padded with 0.
+    #[inline(always)]
+    fn to_box(centre: &[Self; 3], [low, high]: &[[f64; 4]; 2]) -> (Self, Self) {
+        let zero = centre[0].like(0.0);
+        let (mut near2, mut far2) = (zero, zero);
+        for k in 0..3 {
+            let (to_low, to_high) = (centre[k] - zero.like(low[k]), zero.like(high[k]) - centre[k]);
+            let gap = (-to_low).max(-to_high).max(zero);
+            near2 = gap.mul_add(gap, near2);
+            let far = to_low.abs().max(to_high.abs());
+            far2 = far.mul_add(far, far2);
+        }
+        (near2, far2)
+    }
+
+    /// Writes the distances from all planes into the faces, and tells how the balls lie to them.
+    #[inline(always)]
+    fn planes<const N: usize>(
+        frames: &EdgeFrames,
+        balls: &PlacedBalls<Self>,
+        faces: &mut [Face<Self>; N],
+    ) -> PlanesSeen<Self> {
+        plane_by_plane(frames, balls, faces)
+    }
+
+    /// Which balls reach a plane that any of them reaches.
+    #[inline(always)]
+    fn reaches(distance: Self) -> Self::Mask {
+        distance.abs().less(distance.like(1.0))
+    }
+
+    /// Angles of four vectors (x, y).
+    #[inline(always)]
+    fn arc_tangents(y: [Self; 4], x: [Self; 4]) -> [Self; 4] {
+        [atan2(y[0], x[0]), atan2(y[1], x[1]), atan2(y[2], x[2]), atan2(y[3], x[3])]
+    }
 }
 
-const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+/// Lanes of which there is one.
+pub(crate) trait OneNumber: Lanes {
+    fn number(self) -> f64;
+}
+
+impl OneNumber for Register<Scalar> {
+    #[inline(always)]
+    fn number(self) -> f64 {
+        self.1
+    }
+}
+
+const ALL_BUT_SIGN: u64 = !(1 << 63);
+pub(super) const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
 /// Minus the exponent of x, as bits, is this minus the exponent's bits of x.
-const TWICE_BIAS: u64 = 0x7fe0_0000_0000_0000;
+pub(super) const TWICE_BIAS: u64 = 0x7fe0_0000_0000_0000;
 
-/// One number; FUSED as the registers of the same machine, so that the bits are the same.
+/// A register: eight numbers with AVX-512, four with AVX2, one where nothing is known of the machine.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Single<const FUSED: bool>(pub f64);
-
-impl<const FUSED: bool> Lanes for Single<FUSED> {
-    type Mask = bool;
-
-    #[inline(always)]
-    fn like(self, x: f64) -> Self {
-        Self(x)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self(if FUSED { self.0.mul_add(factor.0, term.0) } else { self.0 * factor.0 + term.0 })
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(if self.0 < other.0 { self.0 } else { other.0 })
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self(if self.0 > other.0 { self.0 } else { other.0 })
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self) -> bool {
-        self.0 < other.0
-    }
-
-    #[inline(always)]
-    fn with_sign_of(self, other: Self) -> Self {
-        Self(self.0.copysign(other.0))
-    }
-
-    #[inline(always)]
-    fn inverse_power_of_two(self) -> Self {
-        Self(f64::from_bits(TWICE_BIAS.wrapping_sub(self.0.to_bits() & EXPONENT)))
-    }
-
-    #[inline(always)]
-    fn select(mask: bool, yes: Self, no: Self) -> Self {
-        if mask { yes } else { no }
-    }
-
-    #[inline(always)]
-    fn any(mask: bool) -> bool {
-        mask
-    }
-}
-
-/// A register: eight numbers with AVX-512, four with AVX2.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Register<S: Simd>(S, S::f64s);
+pub(crate) struct Register<S: Simd>(pub(super) S, pub(super) S::f64s);
 
 impl<S: Simd> Register<S> {
     /// Whether a product and a sum are rounded once: where it would not be one instruction, it would be a slow call.
@@ -143,7 +141,8 @@ impl<S: Simd> Lanes for Register<S> {
 
     #[inline(always)]
     fn abs(self) -> Self {
-        Self(self.0, self.0.abs_f64s(self.1))
+        // Not `abs_f64s`, which is not always compiled into its caller.
+        Self(self.0, self.0.and_f64s(self.1, self.0.splat_f64s(f64::from_bits(ALL_BUT_SIGN))))
     }
 
     #[inline(always)]
@@ -217,16 +216,7 @@ impl<S: Simd> Not for Answers<S> {
 }
 
 macro_rules! operator {
-    ($trait:ident, $method:ident, $op:tt, $instruction:ident) => {
-        impl<const FUSED: bool> $trait for Single<FUSED> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self(self.0 $op other.0)
-            }
-        }
-
+    ($trait:ident, $method:ident, $instruction:ident) => {
         impl<S: Simd> $trait for Register<S> {
             type Output = Self;
 
@@ -238,19 +228,10 @@ macro_rules! operator {
     };
 }
 
-operator!(Add, add, +, add_f64s);
-operator!(Sub, sub, -, sub_f64s);
-operator!(Mul, mul, *, mul_f64s);
-operator!(Div, div, /, div_f64s);
-
-impl<const FUSED: bool> Neg for Single<FUSED> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
 
 impl<S: Simd> Neg for Register<S> {
     type Output = Self;
