@@ -326,3 +326,54 @@ fn volumes_of<L: Lanes, const N: usize>(
     result.promised = settled | !(radius.like(PROMISE) * smaller).less(error);
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use fieldstone_testing::Random;
+
+    use super::*;
+
+    /// Balls of all sizes around a cube and a tetrahedron.
+    fn pairs() -> Vec<(Ball, Polyhedron)> {
+        let cube = Polyhedron::cuboid([0.0; 3], [1.0; 3]).expect("a cube");
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let tetrahedron = Polyhedron::tetrahedron(corners).expect("a tetrahedron");
+        let mut random = Random(5);
+        let ball = |_| {
+            let radius = 10f64.powf(random.uniform(-2.0, 0.5));
+            Ball::new(random.point(-0.3, 1.3), radius).expect("a finite centre")
+        };
+        let balls: Vec<Ball> = (0..5000).map(ball).collect();
+        balls.iter().flat_map(|&ball| [(ball, cube.clone()), (ball, tetrahedron.clone())]).collect()
+    }
+
+    #[test]
+    fn machines_without_registers_give_the_volume_within_the_bound() {
+        let mut evaluated = 0;
+        for (ball, element) in pairs() {
+            let frames = element.frames().expect("few planar faces");
+            let like = Register::splat(Scalar, 0.0);
+            let plain = OneBall::<_, SOME> { ball: &ball, element: &element, frames, like }.call();
+            let found = inside_volume(&ball, &element, frames);
+            assert_eq!(plain.evaluated, found.evaluated);
+            evaluated += usize::from(plain.evaluated);
+            if plain.error.is_finite() {
+                assert!((plain.volume - found.volume).abs() <= plain.error + found.error, "{ball:?}");
+            }
+        }
+        assert!(evaluated > 2000, "{evaluated}");
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn registers_of_four_and_of_eight_numbers_give_the_same_bits() {
+        let Some(simd) = pulp::x86::V3::try_new() else { return };
+        for (ball, element) in pairs() {
+            let frames = element.frames().expect("few planar faces");
+            let four =
+                simd.vectorize(OneBall::<_, SOME> { ball: &ball, element: &element, frames, like: Single(simd, 0.0) });
+            let found = inside_volume(&ball, &element, frames);
+            assert_eq!((four.volume, four.error, four.promised), (found.volume, found.error, found.promised));
+        }
+    }
+}
