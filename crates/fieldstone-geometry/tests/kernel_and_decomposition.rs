@@ -106,8 +106,8 @@ fn agree_at_edges(kind: ElementKind, seed: u64) {
             let volume = volume.abs() / ball.volume() / allowed;
             let area = ours.sphere_area - decomposition::overlap_sphere_area(&ball, &decomposed);
             worst_area = worst_area.max(area.abs() / ball.surface_area() / allowed);
-            // Written so that a NaN is a find.
-            if !(volume <= worst) {
+            assert!(volume.is_finite() && area.is_finite(), "corners {corners:?}, centre {centre:?}, radius {r:?}");
+            if volume > worst {
                 worst = volume;
                 worst_at = format!("corners {corners:?}, centre {centre:?}, radius {r:?}");
             }
