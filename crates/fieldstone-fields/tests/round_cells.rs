@@ -66,6 +66,42 @@ fn a_kernel_on_a_ring_is_the_mean_around_it() {
 }
 
 #[test]
+fn a_kernel_far_narrower_than_the_rings_is_their_mean_too_and_takes_no_memory_for_their_points() {
+    use std::f64::consts::{PI, TAU};
+    // A circle takes some 2π s/(w/5) points: 10¹⁰ and more of them for each of the shells. What they sum up to is
+    // the kernel's integral along a line, over the circle's length.
+    let lucy = |w: f64| (Kernel::new(KernelShape::Lucy, w, None).unwrap(), 4.0 / (PI * w));
+    // As good as constant up to its cut-off: a chord over a disc.
+    let short = |c: f64| (Kernel::new(KernelShape::Gauss, 1e3 * c, Some(c)).unwrap(), 2.0 / (PI * c));
+    for (shells, (kernel, along)) in
+        [(5, lucy(1e-3)), (5, lucy(1e-6)), (200, lucy(1e-9)), (200, lucy(3e-11)), (5, short(1e-2)), (200, short(1e-8))]
+    {
+        // In the middle of the third shell from within, beside the direction in which points begin.
+        let s = 2.5 * 2.0 / f64::from(shells);
+        let at = [s * 0.8f64, s * 0.6, 0.3];
+        let one = fieldstone_particles::Particles::new(vec![at]).unwrap().with_uniform_radius(0.1).unwrap();
+        let options = CoarseGrainingOptions {
+            function: Function::Kernel(kernel),
+            fields: vec![FieldName::Density],
+            particle_density: Some(1.0),
+            ..CoarseGrainingOptions::default()
+        };
+        let grid = CylinderGrid::new(2, [0.0; 3], [0.0, 2.0], [0.0, 1.0], [shells as usize, 1, 1]).unwrap();
+        let mut grains = CoarseGraining::new(&grid, options).unwrap();
+        grains.accumulate(&one, None, 1.0).unwrap();
+        let density = grains.finish().unwrap().fields.remove(0);
+        let mass = 4.0 / 3.0 * PI * 0.1f64.powi(3);
+        for cell in 0..shells as usize {
+            let expected = if cell == 2 { mass * along / (TAU * s) } else { 0.0 };
+            // A kernel with a jump is summed to a point at each end, of some ten.
+            let allowed = if kernel.shape() == KernelShape::Gauss { 0.11 } else { 1e-3 };
+            let found = density.cell(cell)[0];
+            assert!((found - expected).abs() <= allowed * expected, "{kernel:?}, shell {cell}: {found} for {expected}");
+        }
+    }
+}
+
+#[test]
 fn a_shell_that_holds_a_box_has_what_the_box_has() {
     let Some(case) = support::lammps_pack() else { return };
     let options = || CoarseGrainingOptions { particle_density: case.density, ..CoarseGrainingOptions::default() };

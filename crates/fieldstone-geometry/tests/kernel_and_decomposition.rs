@@ -7,11 +7,14 @@
 
 mod common;
 
-use common::{Random, dot, element, generic_corners, size_of, sub};
+use common::{Random, beside_an_edge, dot, element, generic_corners, size_of, sub};
 use fieldstone_geometry::decomposition::{self, DecompositionElement};
 use fieldstone_geometry::{Ball, ElementKind, Polyhedron, overlap};
 
 const LIMIT: f64 = 1e-10;
+
+/// What the decomposition promises, of the ball's volume.
+const OF_BALL: f64 = 5e-15;
 
 fn both(kind: ElementKind, corners: &[[f64; 3]]) -> (Polyhedron, DecompositionElement) {
     let other = match kind {
@@ -79,6 +82,47 @@ fn kernel_and_decomposition_agree_on_random_wedges() {
 #[test]
 fn kernel_and_decomposition_agree_on_random_hexahedra() {
     agree(ElementKind::Hexahedron, 3);
+}
+
+/// As [`agree`] for centres within ulps of an edge or a corner, as far off as rounding puts what is meant to be on it.
+fn agree_at_edges(kind: ElementKind, seed: u64) {
+    let pairs = std::env::var("FIELDSTONE_PAIRS").map_or(100_000, |n| n.parse::<usize>().unwrap());
+    let mut random = Random(seed);
+    let (mut worst, mut worst_area, mut worst_at) = (0.0f64, 0.0f64, String::new());
+    let mut drawn = 0;
+    while drawn < pairs {
+        let corners = generic_corners(kind, &mut random);
+        let (polyhedron, decomposed) = both(kind, &corners);
+        let size = polyhedron.volume().cbrt();
+        for _ in 0..10.min(pairs - drawn) {
+            drawn += 1;
+            let r = size * random.log_uniform(0.1, 5.0);
+            let centre = beside_an_edge(&corners, kind.faces(), r, &mut random);
+            let ball = Ball::new(centre, r).unwrap();
+            let ours = overlap(&ball, &polyhedron);
+            // Distances of planes are rounded as the corners' coordinates are, which small balls notice.
+            let allowed = OF_BALL + f64::EPSILON * size_of(&corners) / r;
+            let volume = ours.volume - decomposition::overlap_volume(&ball, &decomposed);
+            let volume = volume.abs() / ball.volume() / allowed;
+            let area = ours.sphere_area - decomposition::overlap_sphere_area(&ball, &decomposed);
+            worst_area = worst_area.max(area.abs() / ball.surface_area() / allowed);
+            assert!(volume.is_finite() && area.is_finite(), "corners {corners:?}, centre {centre:?}, radius {r:?}");
+            if volume > worst {
+                worst = volume;
+                worst_at = format!("corners {corners:?}, centre {centre:?}, radius {r:?}");
+            }
+        }
+    }
+    println!("{kind}: {drawn} pairs, volumes within {worst:.2} of what is allowed, areas within {worst_area:.2}");
+    assert!(worst <= 1.0, "{kind}: {worst} of what is allowed at {worst_at}");
+    assert!(worst_area <= 1.0, "{kind}: sphere areas differ by {worst_area} of what is allowed");
+}
+
+#[test]
+fn kernel_and_decomposition_agree_within_ulps_of_edges_and_corners() {
+    agree_at_edges(ElementKind::Tetrahedron, 5);
+    agree_at_edges(ElementKind::Wedge, 6);
+    agree_at_edges(ElementKind::Hexahedron, 7);
 }
 
 #[test]

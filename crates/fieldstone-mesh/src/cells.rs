@@ -58,6 +58,12 @@ pub trait Cells: Sync {
         None
     }
 
+    /// The round cells that these are, where each is an average around a circle; kernels are then evaluated at points around
+    /// it ([`crate::CylinderGrid::for_each_ring_point`]), else at the cells' centres.
+    fn as_rings(&self) -> Option<&crate::CylinderGrid> {
+        None
+    }
+
     /// Lower and upper corner of the box around all cells.
     fn bounds(&self) -> ([f64; 3], [f64; 3]);
 
@@ -85,13 +91,6 @@ pub trait Cells: Sync {
     /// A cell as a signed sum of elements of standard kinds with planar faces, corners in CGNS order: the cell
     /// itself where it is one, else tetrahedra.
     fn for_each_element(&self, cell: usize, visit: &mut ElementSink<'_>);
-
-    /// Calls `visit` with the points that stand for a cell where kernels are evaluated, no farther apart than `spacing`,
-    /// and with the share of each: the centre alone, unless the cell is an average around a circle.
-    fn for_each_sample(&self, cell: usize, spacing: f64, visit: &mut dyn FnMut([f64; 3], f64)) {
-        let _ = spacing;
-        visit(self.cell_centre(cell), 1.0);
-    }
 
     /// Whether [`Cells::for_each_element`] and [`Cells::overlap_cuboid`] mean anything: not for round cells.
     fn is_polyhedral(&self) -> bool {

@@ -33,7 +33,7 @@ use crate::{Cells, MeshError, PathCounts};
 #[derive(Debug, Clone, PartialEq)]
 pub struct CylinderGrid {
     axis: usize,
-    origin: [f64; 3],
+    pub(crate) origin: [f64; 3],
     radii: [f64; 2],
     heights: [f64; 2],
     cells: [usize; 3],
@@ -112,12 +112,22 @@ impl CylinderGrid {
     }
 
     /// The point at a distance from the axis, an angle and a height.
-    fn point(&self, [s, angle, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn point(&self, [s, angle, z]: [f64; 3]) -> [f64; 3] {
         let mut p = self.origin;
         p[(self.axis + 1) % 3] += s * angle.cos();
         p[(self.axis + 2) % 3] += s * angle.sin();
         p[self.axis] += z;
         p
+    }
+
+    /// Least and largest distance of a box's points from the axis.
+    pub(crate) fn distances(&self, low: [f64; 3], high: [f64; 3]) -> [f64; 2] {
+        let reach = |k: usize| {
+            let (a, b) = (low[k] - self.origin[k], high[k] - self.origin[k]);
+            (if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()) }, a.abs().max(b.abs()))
+        };
+        let ((u_near, u_far), (v_near, v_far)) = (reach((self.axis + 1) % 3), reach((self.axis + 2) % 3));
+        [u_near.hypot(v_near), u_far.hypot(v_far)]
     }
 
     fn index(range: [f64; 2], count: usize, x: f64) -> Option<usize> {
@@ -133,6 +143,16 @@ impl CylinderGrid {
             i += 1;
         }
         Some(i)
+    }
+
+    /// Shells that hold distances from the axis between two.
+    pub(crate) fn shells(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        Self::span(self.radii, self.cells[0], low, high)
+    }
+
+    /// Layers that hold heights between two, from the origin.
+    pub(crate) fn layers(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        Self::span(self.heights, self.cells[2], low, high)
     }
 
     /// Indices that an interval meets, as a half-open range.
@@ -197,19 +217,8 @@ impl Cells for CylinderGrid {
         ])
     }
 
-    /// Where there is one sector, points around the whole circle stand for it; along a single height the axis counts as
-    /// averaged.
-    fn for_each_sample(&self, cell: usize, spacing: f64, visit: &mut dyn FnMut([f64; 3], f64)) {
-        let [i, _, k] = self.indices(cell);
-        if self.cells[1] > 1 {
-            return visit(self.cell_centre(cell), 1.0);
-        }
-        let s = 0.5 * (self.radius(i) + self.radius(i + 1));
-        let z = 0.5 * (self.height(k) + self.height(k + 1));
-        let count = ((TAU * s / spacing).ceil().clamp(8.0, 1e6)) as usize;
-        for n in 0..count {
-            visit(self.point([s, TAU * n as f64 / count as f64, z]), 1.0 / count as f64);
-        }
+    fn as_rings(&self) -> Option<&CylinderGrid> {
+        (self.cells[1] == 1).then_some(self)
     }
 
     fn averaged(&self) -> [bool; 3] {
@@ -233,8 +242,8 @@ impl Cells for CylinderGrid {
     fn overlap_ball(&self, ball: &Ball, scratch: &mut PathCounts, out: &mut Vec<(u32, f64)>) {
         let r = ball.radius();
         let [d, angle, z] = self.coordinates(ball.centre());
-        let shells = Self::span(self.radii, self.cells[0], d - r, d + r);
-        let layers = Self::span(self.heights, self.cells[2], z - r, z + r);
+        let shells = self.shells(d - r, d + r);
+        let layers = self.layers(z - r, z + r);
         for k in layers {
             let heights = [self.height(k) - z, self.height(k + 1) - z];
             for j in 0..self.cells[1] {
@@ -320,14 +329,9 @@ impl Cells for CylinderGrid {
     }
 
     fn for_each_candidate(&self, low: [f64; 3], high: [f64; 3], visit: &mut dyn FnMut(u32)) {
-        let (u, v, w) = ((self.axis + 1) % 3, (self.axis + 2) % 3, self.axis);
-        let reach = |k: usize| {
-            let (a, b) = (low[k] - self.origin[k], high[k] - self.origin[k]);
-            (if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()) }, a.abs().max(b.abs()))
-        };
-        let ((u_near, u_far), (v_near, v_far)) = (reach(u), reach(v));
-        let shells = Self::span(self.radii, self.cells[0], u_near.hypot(v_near), u_far.hypot(v_far));
-        let layers = Self::span(self.heights, self.cells[2], low[w] - self.origin[w], high[w] - self.origin[w]);
+        let [near, far] = self.distances(low, high);
+        let shells = self.shells(near, far);
+        let layers = self.layers(low[self.axis] - self.origin[self.axis], high[self.axis] - self.origin[self.axis]);
         for k in layers {
             for j in 0..self.cells[1] {
                 for i in shells.clone() {

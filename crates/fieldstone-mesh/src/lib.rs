@@ -27,6 +27,7 @@ mod locate;
 mod mesh;
 mod mesh_cells;
 mod mesh_faces;
+mod ring_points;
 mod rings;
 mod shape;
 mod surface;

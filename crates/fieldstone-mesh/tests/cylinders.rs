@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use fieldstone_geometry::Ball;
 use fieldstone_mesh::{Cells, CylinderGrid};
+use fieldstone_testing::Random;
 use proptest::prelude::*;
 
 fn overlaps(grid: &CylinderGrid, ball: &Ball) -> Vec<f64> {
@@ -179,4 +180,53 @@ proptest! {
         prop_assert!(grid.clip_segment(a, along, &mut |_, fraction| total += fraction));
         prop_assert!((total - 1.0).abs() < 1e-14);
     }
+}
+
+#[test]
+fn the_points_of_rings_in_a_box_are_those_of_all_points_that_lie_in_it() {
+    let mut random = Random(12);
+    let (mut found_any, mut around_axis) = (0, 0);
+    for axis in 0..3 {
+        let origin = [0.3, -0.2, 0.1];
+        for layers in [1, 3] {
+            let grid = CylinderGrid::new(axis, origin, [0.2, 1.4], [-0.5, 1.0], [4, 1, layers]).unwrap();
+            for _ in 0..400 {
+                let (middle, half) = (random.point(-2.0, 2.0), random.point(0.0, 1.0));
+                let scale = [1e-2, 0.3, 1.0][(random.unit() * 3.0) as usize];
+                let spacing = random.uniform(0.01, 0.3);
+                let low: [f64; 3] = std::array::from_fn(|k| middle[k] - scale * half[k]);
+                let high: [f64; 3] = std::array::from_fn(|k| middle[k] + scale * half[k]);
+                around_axis += usize::from((0..3).all(|k| k == axis || low[k] <= origin[k] && high[k] >= origin[k]));
+                let mut expected = Vec::new();
+                for k in 0..layers {
+                    for i in 0..4 {
+                        let s = 0.2 + 0.3 * (i as f64 + 0.5);
+                        let count = (std::f64::consts::TAU * s / spacing).ceil().max(8.0) as usize;
+                        for n in 0..count {
+                            let angle = std::f64::consts::TAU * n as f64 / count as f64;
+                            let mut p = origin;
+                            p[axis] += -0.5 + 1.5 * (k as f64 + 0.5) / layers as f64;
+                            p[(axis + 1) % 3] += s * angle.cos();
+                            p[(axis + 2) % 3] += s * angle.sin();
+                            if (0..3).all(|a| a == axis && layers == 1 || p[a] >= low[a] && p[a] <= high[a]) {
+                                expected.push((i + 4 * k, count, p));
+                            }
+                        }
+                    }
+                }
+                let mut found = Vec::new();
+                grid.for_each_ring_point(low, high, spacing, |cell, share, p| found.push((cell as usize, share, p)));
+                found_any += usize::from(!found.is_empty());
+                assert_eq!(found.len(), expected.len(), "{low:?} to {high:?}, axis {axis}, {layers} layers");
+                for (cell, count, p) in expected {
+                    let near = |q: [f64; 3]| (0..3).all(|a| (p[a] - q[a]).abs() < 1e-14);
+                    let same = |&&(c, share, q): &&(usize, f64, [f64; 3])| {
+                        c == cell && near(q) && (share * count as f64 - 1.0).abs() < 1e-15
+                    };
+                    assert_eq!(found.iter().filter(same).count(), 1, "{p:?} of cell {cell}");
+                }
+            }
+        }
+    }
+    assert!(found_any > 500 && around_axis > 50, "{found_any} boxes with points, {around_axis} around the axis");
 }

@@ -29,7 +29,8 @@ impl<'a> Sampling<'a> {
         let share = (0..3).filter(|&k| averaged[k]).map(|k| 1.0 / (high[k] - low[k])).product();
         let dimensions = averaged.iter().filter(|a| !**a).count();
         Ok(Self {
-            places: Places::new(cells, 0.2 * kernel.width()),
+            // A Gaussian cut off within its width is as narrow as its cut-off.
+            places: Places::new(cells, 0.2 * kernel.width().min(kernel.reach())),
             kernel: kernel.in_dimensions(dimensions)?,
             averaged,
             share,
@@ -48,7 +49,7 @@ impl<'a> Sampling<'a> {
 
     /// Pairs (cell, φ) of a point.
     pub fn point(&self, at: [f64; 3], mut emit: impl FnMut(u32, f64)) {
-        let c = self.kernel.reach();
+        let c = self.kernel.support();
         self.places.for_each(at.map(|x| x - c), at.map(|x| x + c), |cell, share, centre| {
             let d = self.resolved([centre[0] - at[0], centre[1] - at[1], centre[2] - at[2]]);
             let value = self.kernel.value(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -60,7 +61,7 @@ impl<'a> Sampling<'a> {
 
     /// Pairs (cell, ψ) of a branch.
     pub fn branch(&self, start: [f64; 3], branch: [f64; 3], mut emit: impl FnMut(u32, f64)) {
-        let c = self.kernel.reach();
+        let c = self.kernel.support();
         let kernel = self.kernel.branch(self.resolved(branch));
         let low = std::array::from_fn(|k| start[k] + branch[k].min(0.0) - c);
         let high = std::array::from_fn(|k| start[k] + branch[k].max(0.0) + c);

@@ -117,15 +117,15 @@ impl Kernel {
             let (name, value) = ("the kernel's number of dimensions", dimensions as f64);
             return Err(FieldsError::Option { name, value, allowed: "0, 1, 2 or 3" });
         }
-        let mass = match self.shape {
+        let over = |mass: f64| 1.0 / (mass * self.width.powi(dimensions as i32));
+        self.norm = match self.shape {
             _ if dimensions == 0 => 1.0,
-            KernelShape::Gauss => gauss::mass(dimensions, self.reach / self.width),
-            KernelShape::Lucy => lucy::mass(dimensions),
-            KernelShape::Heaviside => heaviside::mass(dimensions),
-            KernelShape::Linear => linear::mass(dimensions),
+            KernelShape::Gauss => gauss::norm(dimensions, self.width, self.reach),
+            KernelShape::Lucy => over(lucy::mass(dimensions)),
+            KernelShape::Heaviside => over(heaviside::mass(dimensions)),
+            KernelShape::Linear => over(linear::mass(dimensions)),
         };
         self.dimensions = dimensions;
-        self.norm = 1.0 / (mass * self.width.powi(dimensions as i32));
         Ok(self)
     }
 
@@ -142,6 +142,13 @@ impl Kernel {
     /// Distance beyond which the kernel is zero.
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Distance beyond which nothing of the kernel is left in `f64`: the reach, but for a Gaussian of very long reach.
+    pub(crate) fn support(&self) -> f64 {
+        /// $e^{-q^2/2}$ is below the smallest number.
+        const NOTHING_LEFT: f64 = 39.0;
+        self.reach.min(NOTHING_LEFT * self.width)
     }
 
     /// φ at the square of a distance.
@@ -293,6 +300,49 @@ mod tests {
                     2000,
                 );
                 assert!((total - 1.0).abs() < 1e-12, "{shape} in {dimensions}: {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gaussian_has_integral_one_whatever_its_cut_off_is_to_its_width() {
+        let width = 0.7;
+        for ratio in [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 0.1, 0.5, 0.999_999, 1.0, 1.5, 3.0, 8.0, 40.0] {
+            for dimensions in 1..=3 {
+                let reach = ratio * width;
+                let kernel = Kernel::new(KernelShape::Gauss, width, Some(reach)).unwrap();
+                let kernel = kernel.in_dimensions(dimensions).unwrap();
+                let surface = [2.0, 2.0 * std::f64::consts::PI, 4.0 * std::f64::consts::PI][dimensions - 1];
+                let shell = |s: f64| reach * surface * (s * reach).powi(dimensions as i32 - 1);
+                let total = integrate(|s| shell(s) * kernel.value((s * reach).powi(2)), 4000);
+                assert!((total - 1.0).abs() < 1e-12, "{ratio} widths, {dimensions} dimensions: {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gaussian_cut_off_far_within_its_width_is_constant_and_one_cut_off_far_beyond_is_whole() {
+        let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI];
+        for dimensions in 1..=3 {
+            let d = dimensions as i32;
+            let centre = |width: f64, reach: f64| {
+                let kernel = Kernel::new(KernelShape::Gauss, width, Some(reach)).unwrap();
+                kernel.in_dimensions(dimensions).unwrap().value(0.0)
+            };
+            // 1 + d/(d + 2) q²/2 to first order.
+            for (width, reach) in [(1.0, 1e-4), (1.0, 1e-6), (1.0, 1e-8), (2e3, 3e-6), (1e100, 1e-100), (1e-90, 1e-100)]
+            {
+                let q: f64 = reach / width;
+                let expected = 1.0 + f64::from(d) / f64::from(d + 2) * 0.5 * q * q;
+                let found = centre(width, reach) * unit_ball[dimensions - 1] * f64::powi(reach, d);
+                assert!((found - expected).abs() < 2e-15, "{dimensions} dimensions, {reach} of {width}: {found}");
+            }
+            for (width, reach) in [(1.0, 10.0), (0.3, 12.0), (1e-3, 1e100)] {
+                let whole = (2.0 * std::f64::consts::PI * width * width).powf(0.5 * f64::from(d));
+                assert!(
+                    (centre(width, reach) * whole - 1.0).abs() < 2e-15,
+                    "{dimensions} dimensions, {reach} of {width}"
+                );
             }
         }
     }

@@ -17,18 +17,25 @@
 //!   Eq. 5 nor in the text. Where $s \ge 0$ the call is right. Where $s < 0$ the plane through the centre is bounded by
 //!   the half-plane *towards and past* the centre, and the wedge is
 //!   $\tfrac23\pi r^3 - V_{\triangleleft}(r, d, \pi - \alpha)$. A test holds both against numerical integration.
+//! * Line 8 compares $|s_i|$ with ε itself, and the angle of line 9 comes from the normals. Here it comes from $s_i$ and $c_i$,
+//!   so what has to be rounding noise is $\sin\alpha_i$: $|s_i|$ is compared with $\varepsilon\,|\vec d|$. Else a plane at any
+//!   angle would count as one along $\vec d$ where the common line passes the centre at little more than ε.
+//! * Lines 2–5 leave out $-\tfrac\pi2 (s_0 + s_1) r^2$, half a disc at each plane, which is added.
 //! * Line 12 overwrites $\vec d$ by its direction; lines 13–14 then need the vector as it was.
 //! * Line 22 subtracts from the whole ball what is right only if the two half-planes lie on the far side. With nearly
 //!   antiparallel normals (a sliver's sharp edge) $s_0$ and $s_1$ are rounding noise, and their signs can ask for line
 //!   18 or 22 where line 28 holds: the printed rule then returns the whole ball for a wedge of no volume. So lines 15
 //!   and 19 also look at the $c_i$, which are not small when the $s_i$ are.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use super::part::Part;
 use super::regularized_wedge::{half_chord, unit_regularized_wedge};
 
-/// Below this multiple of the radius a distance from the centre counts as zero (ε of Algorithm 3).
+/// Below this multiple of the radius a distance from the centre counts as zero, and so does the sine of an angle (ε of
+/// Algorithm 3).
 pub(crate) const EPSILON: f64 = 4.0 * f64::EPSILON;
 
 /// Volume of a general spherical wedge.
@@ -53,7 +60,7 @@ pub(crate) const EPSILON: f64 = 4.0 * f64::EPSILON;
 ///
 /// Error a few ε r³; nearly parallel normals amplify it by 1/sin of their angle.
 ///
-/// Source: `strobl2016`, Algorithm 3; see this function's module for three corrections.
+/// Source: `strobl2016`, Algorithm 3; see this function's module for the corrections.
 ///
 /// ```
 /// use fieldstone_geometry::decomposition::general_wedge_volume;
@@ -108,12 +115,17 @@ impl WedgePlanes {
 pub(crate) fn unit_general_wedge(planes: &WedgePlanes, half_chord: f64) -> Part {
     let ([s0, s1], [c0, c1]) = (planes.s, planes.c);
     let b = half_chord;
-    // Lines 2–5: the common line passes through the centre, a slice like an orange's.
-    if planes.distance_squared() < EPSILON * EPSILON {
-        return Part { triple_volume: 2.0, area: 2.0 } * planes.angle();
+    let distance_squared = planes.distance_squared();
+    // Lines 2–5: the common line passes through the centre, a slice like an orange's. So close to it the separation
+    // vector may be rounding, without a direction, but its length still takes half a disc off at each plane.
+    if distance_squared < EPSILON * EPSILON {
+        let slice = Part { triple_volume: 2.0, area: 2.0 } * planes.angle();
+        return slice - Part { triple_volume: 1.5 * PI, area: PI } * (s0 + s1);
     }
-    // Lines 8–11: a plane through the centre, so that one half-plane lies along the separation vector.
-    if s0.abs() < EPSILON || s1.abs() < EPSILON {
+    // Lines 8–11: a plane through the centre, so that one half-plane lies along the separation vector. That is a matter
+    // of the angle between the two, whatever the vector's length.
+    let along = EPSILON * EPSILON * distance_squared;
+    if s0 * s0 < along || s1 * s1 < along {
         let (through_centre, s, c) = if s0.abs() > s1.abs() { (c1, s0, c0) } else { (c0, s1, c1) };
         let other = unit_regularized_wedge(s.abs(), b, c);
         // Outwards exactly where s ≥ 0, but this sign is not rounding noise where both planes meet the centre.

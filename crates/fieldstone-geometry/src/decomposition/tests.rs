@@ -266,6 +266,19 @@ fn a_plane_through_the_centre_is_right_on_both_sides_where_the_printed_line_9_is
 }
 
 #[test]
+fn planes_at_an_angle_to_a_short_separation_vector_are_not_taken_to_lie_along_it() {
+    for (from, to) in [(0.3, 1.9), (-0.4, 0.5), (2.8, 3.6), (-1.5, -0.2)] {
+        for d in [1e-17, 5e-16, 9e-16, 2e-15, 1e-14] {
+            let (vector, normals) = wedge_between(d, from, to, DQuat::IDENTITY);
+            // A slice less half a disc, as thick as the plane's distance, at each plane.
+            let exact = 2.0 / 3.0 * (to - from) - FRAC_PI_2 * (vector.dot(normals[0]) + vector.dot(normals[1]));
+            let found = general(vector, normals);
+            assert!((found - exact).abs() < 2e-15, "{d} {from}..{to}: {found} for {exact}");
+        }
+    }
+}
+
+#[test]
 fn wedge_is_continuous_across_the_case_of_a_plane_through_the_centre() {
     for (from, to) in [(0.0, 1.2), (PI, PI + 1.2), (-1.2, 0.0), (0.0, 2.8), (PI - 2.8, PI)] {
         let volume = |nudge: f64| {

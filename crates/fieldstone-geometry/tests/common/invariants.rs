@@ -11,7 +11,7 @@ pub struct Report {
 }
 
 impl Report {
-    fn note(&mut self, name: &'static str, error: f64, allowed: f64) -> Result<(), String> {
+    pub fn note(&mut self, name: &'static str, error: f64, allowed: f64) -> Result<(), String> {
         if error == 0.0 {
             self.worst.entry(name).or_default();
             return Ok(());

@@ -68,6 +68,15 @@ pub fn generic_corners(kind: ElementKind, random: &mut Random) -> Vec<Point> {
     }
 }
 
+/// A point on an edge or at a corner, off by 1e-18 to 1e-11 of `r`, along each axis on its own.
+pub fn beside_an_edge<F: AsRef<[usize]>>(corners: &[Point], faces: &[F], r: f64, random: &mut Random) -> Point {
+    let face = faces[random.below(faces.len())].as_ref();
+    let k = random.below(face.len());
+    let t = [0.0, 0.5, random.uniform(0.0, 1.0)][random.below(3)];
+    let on = between(corners[face[k]], corners[face[(k + 1) % face.len()]], t);
+    on.map(|x| x + r * [0.0, 1.0, -1.0][random.below(3)] * 10f64.powf(random.uniform(-18.0, -11.0)))
+}
+
 /// Largest distance of two corners.
 pub fn size_of(corners: &[Point]) -> f64 {
     let mut largest = 0.0f64;
