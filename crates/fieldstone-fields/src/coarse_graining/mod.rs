@@ -246,7 +246,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             let mut list = Vec::new();
             for particle in 0..frame.len() {
                 first.push(list.len() as u32);
-                weigher.images(frame, particle, |centre| list.push((particle as u32, centre)));
+                weigher.images(frame, particle, |image| list.push((particle as u32, image.centre)));
             }
             carriers = Some(list);
             weigher.first_image = Some(&first);
