@@ -260,18 +260,14 @@ fn bin_block<C: Cells>(
         let ball = |centre| Ball::new(centre, radii[particle]).map_err(|source| FieldsError::Ball { particle, source });
         let original = ball(positions[particle])?;
         let seed = particle as u64;
-        if periods.any() {
-            let mut failure = None;
-            let reach = if binning.by_centre() { None } else { Some(radii[particle]) };
-            periods.for_each_image(positions[particle], reach, |centre| match ball(centre) {
-                Ok(image) => binning.bin(&image, seed, scratch, &mut row),
-                Err(error) => failure = Some(error),
-            });
-            if let Some(error) = failure {
-                return Err(error);
-            }
-        } else {
-            binning.bin(&original, seed, scratch, &mut row);
+        let mut failure = None;
+        let reach = if binning.by_centre() { None } else { Some(radii[particle]) };
+        periods.for_each_image(positions[particle], reach, |image| match ball(image.centre) {
+            Ok(moved) => binning.bin(&moved, &image, seed, scratch, &mut row),
+            Err(error) => failure = Some(error),
+        });
+        if let Some(error) = failure {
+            return Err(error);
         }
         merge_equal_cells(&mut row);
         let placed = binning.placed(&original, &row);

@@ -7,7 +7,7 @@ use fieldstone_fields::{
 };
 use fieldstone_geometry::{CornerOrder, ElementKind};
 use fieldstone_mesh::{CellList, Grid, Mesh};
-use fieldstone_particles::Particles;
+use fieldstone_particles::{Domain, Particles};
 use proptest::prelude::*;
 
 const CONSERVING: [Method; 7] = [
@@ -68,6 +68,30 @@ fn every_method_but_the_smoothed_one_places_all_of_a_volume_that_is_inside() {
         assert!((total / ledger.particle_volume - 1.0).abs() < 1e-12, "{method}");
         if method != Method::Cube {
             assert!((ledger.binned_volume / ledger.particle_volume - 1.0).abs() < 1e-12, "{method}");
+        }
+    }
+}
+
+#[test]
+fn every_conserving_method_places_balls_on_the_faces_edges_and_corners_of_a_periodic_box_once() {
+    let domain = Domain::new([0.0; 3], [1.0; 3], [true; 3]).unwrap();
+    let (mesh, grid) = (warped(4), Grid::new([0.0; 3], [1.0; 3], [4; 3]).unwrap());
+    let places =
+        [[0.0, 0.5, 0.5], [0.3, 1.0, 0.6], [0.25, 0.0, 1.0], [0.0, 0.0, 0.7], [0.0; 3], [1.0; 3], [0.5, 0.25, 0.75]];
+    for (at, radius) in places.into_iter().flat_map(|at| [0.1, 0.4].map(|r| (at, r))) {
+        for turns in [[0.0; 3], [-1.0, 2.0, 1.0]] {
+            let at = std::array::from_fn(|k| at[k] + turns[k]);
+            let one = Particles::new(vec![at]).unwrap().with_uniform_radius(radius).unwrap();
+            for method in CONSERVING {
+                let build = [
+                    Weights::build(&mesh, &one, method, Some(&domain)).unwrap(),
+                    Weights::build(&grid, &one, method, Some(&domain)).unwrap(),
+                ];
+                for (weights, cells) in build.iter().zip(["mesh", "grid"]) {
+                    let share = weights.volumes().iter().sum::<f64>() / weights.particle_volumes()[0];
+                    assert!((share - 1.0).abs() < 1e-12, "{method} on a {cells}, radius {radius} at {at:?}: {share}");
+                }
+            }
         }
     }
 }

@@ -343,11 +343,11 @@ impl Cells for Grid {
     }
 
     fn clip_segment(&self, start: [f64; 3], along: [f64; 3], visit: &mut dyn FnMut(u32, f64)) -> bool {
-        // A plane that the segment lies in belongs to the cells above it, as for points.
+        let ends: [[f64; 2]; 3] = std::array::from_fn(|k| [start[k] + along[k].min(0.0), start[k] + along[k].max(0.0)]);
+        // A plane that the segment lies in belongs to the cells above it, the last one to those below, as for points.
         let spans: [[usize; 2]; 3] = std::array::from_fn(|k| {
-            let (low, high) = (start[k] + along[k].min(0.0), start[k] + along[k].max(0.0));
-            let [first, last] = self.span(k, low, high.next_up());
-            [first, last.max(first)]
+            let [first, last] = self.span(k, ends[k][0], ends[k][1].next_up());
+            if ends[k] == [self.high[k]; 2] { [self.cells[k] - 1, self.cells[k]] } else { [first, last.max(first)] }
         });
         for k in spans[2][0]..spans[2][1] {
             for j in spans[1][0]..spans[1][1] {
@@ -355,13 +355,17 @@ impl Cells for Grid {
                     let at = [i, j, k];
                     let (mut from, mut to) = (0.0f64, 1.0f64);
                     for axis in 0..3 {
-                        if along[axis] == 0.0 {
-                            continue;
+                        // Planes that neither end is beyond cut nothing, whatever a quotient of roundings would say.
+                        let [low, high] = ends[axis];
+                        let [below, above] = [at[axis], at[axis] + 1].map(|index| self.plane(axis, index));
+                        let cut = |plane: f64| (plane - start[axis]) / along[axis];
+                        let rising = along[axis] > 0.0;
+                        if low < below {
+                            if rising { from = from.max(cut(below)) } else { to = to.min(cut(below)) }
                         }
-                        let a = (self.plane(axis, at[axis]) - start[axis]) / along[axis];
-                        let b = (self.plane(axis, at[axis] + 1) - start[axis]) / along[axis];
-                        from = from.max(a.min(b));
-                        to = to.min(a.max(b));
+                        if high > above {
+                            if rising { to = to.min(cut(above)) } else { from = from.max(cut(above)) }
+                        }
                     }
                     if to > from {
                         visit(self.cell_at(at) as u32, to - from);

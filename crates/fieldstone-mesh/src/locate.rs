@@ -30,9 +30,9 @@ impl Mesh {
 
     fn turns_around(&self, cell: usize, point: DVec3, ring: &mut Vec<Vector<f64>>) -> f64 {
         let outward = self.orientation(cell);
+        let [low, high] = self.bounds[cell];
+        let margin = 1e-12 * (high - low).max_element();
         if self.is_convex(cell) {
-            let [low, high] = self.bounds[cell];
-            let margin = 1e-12 * (high - low).max_element();
             let mut least = f64::INFINITY;
             for (face, sign) in self.signed_faces(cell) {
                 for piece in self.surface.pieces(face) {
@@ -46,6 +46,10 @@ impl Mesh {
         let mut sum = 0.0;
         for (face, sign) in self.signed_faces(cell) {
             for piece in self.surface.pieces(face) {
+                // A face that the point lies in takes no directions, and not half of all by the sign of a zero.
+                if self.surface.height(piece, point).abs() <= margin {
+                    continue;
+                }
                 ring.clear();
                 ring.extend(self.surface.ring(piece).iter().map(|&k| {
                     let v = self.surface.vertices[k as usize] - point;

@@ -159,3 +159,47 @@ fn balls_much_larger_than_the_cells_keep_the_promise_and_only_cells_that_they_cu
     }
     assert!(beyond > 50 && beyond < cut, "{beyond} of {cut}");
 }
+
+#[test]
+fn a_segment_is_all_in_the_cells_that_it_lies_in_also_in_planes_and_at_the_upper_end() {
+    let grid = Grid::new([0.0; 3], [1.0, 0.7, 0.3], [4, 3, 2]).unwrap();
+    let share = |start: [f64; 3], along: [f64; 3]| {
+        let mut found = Vec::new();
+        assert!(grid.clip_segment(start, along, &mut |cell, share| found.push((cell, share))));
+        found
+    };
+    // In the upper face, along an upper edge, and in the plane between cells: one cell each, that of the point.
+    let s = &mut grid.scratch();
+    for start in [[1.0, 0.1, 0.05], [0.6, 0.7, 0.05], [1.0, 0.55, 0.3], [0.5, 0.1, 0.05], [0.5, 0.1, grid.plane(2, 1)]]
+    {
+        for along in [[0.0, 0.05, 0.0], [0.0, -0.05, 0.0], [-1e-17, 0.05, 0.0], [-1e-17, 0.05, 1e-18]] {
+            if start[1] + along[1] > 0.7 {
+                continue;
+            }
+            let middle = std::array::from_fn(|k| start[k] + 0.5 * along[k]);
+            assert_eq!(share(start, along), [(grid.locate(middle, s).unwrap(), 1.0)], "{start:?} {along:?}");
+        }
+    }
+    assert_eq!(share([1.0 + 1e-15, 0.1, 0.05], [0.0, 0.05, 0.0]), [], "beyond the upper face");
+    // Any other adds up to what is inside, whichever plane it starts or ends in, or misses by the last digit.
+    for axis in 0..3 {
+        for (i, j) in (0..=grid.cells()[axis]).flat_map(|i| (0..=grid.cells()[axis]).map(move |j| (i, j))) {
+            let (a, b) = (grid.plane(axis, i), grid.plane(axis, j));
+            let inside = |x: f64| x.clamp(grid.plane(axis, 0), grid.plane(axis, grid.cells()[axis]));
+            for (a, b) in [(a, b), (a.next_up(), b), (a, b.next_down()), (a.next_up(), a.next_down()), (a, b + 0.1)] {
+                if inside(a) == inside(b) {
+                    continue;
+                }
+                let (mut start, mut along) = ([0.1; 3], [0.0; 3]);
+                (start[axis], along[axis]) = (a, b - a);
+                let sum: f64 = share(start, along).iter().map(|(_, share)| share).sum();
+                // The length between neighbouring numbers has digits only where both are inside.
+                let truth = if [a, b] == [inside(a), inside(b)] { 1.0 } else { (inside(b) - inside(a)) / (b - a) };
+                if (b - a).abs() < 1e-12 && truth != 1.0 {
+                    continue;
+                }
+                assert!((sum - truth).abs() < 1e-12, "{a} to {b} along {axis}: {sum}");
+            }
+        }
+    }
+}

@@ -462,6 +462,23 @@ fn a_point_on_a_common_face_is_in_the_first_cell_of_a_mesh_and_in_the_upper_one_
 }
 
 #[test]
+fn every_point_of_the_outer_faces_of_a_mesh_is_in_a_cell_there() {
+    // The sign of the zero that is a corner's height over the face must not decide.
+    let mesh = hexahedra(2, 0.0, 0);
+    for axis in 0..3 {
+        for end in [0.0, 1.0] {
+            for (u, v) in (0..=12).flat_map(|i| (0..=12).map(move |j| (f64::from(i) / 12.0, f64::from(j) / 12.0))) {
+                let mut point = [end; 3];
+                (point[(axis + 1) % 3], point[(axis + 2) % 3]) = (u, v);
+                let cell = mesh.locate(point, &mut mesh.scratch());
+                let first: usize = (0..3).map(|k| usize::from(point[k] > 0.5) << k).sum();
+                assert_eq!(cell, Some(first as u32), "{point:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_cell_of_thousands_of_faces_in_any_winding_is_one_convex_cell() {
     // A ball of n × 2n quadrilaterals, wound at random.
     let sphere = |n: usize| {

@@ -8,6 +8,7 @@ mod points;
 use fieldstone_geometry::Ball;
 use fieldstone_mesh::{Cells, PathCounts};
 
+use crate::periodic::Image;
 use crate::{FieldsError, Method};
 
 /// A method made ready for a set of cells.
@@ -50,10 +51,10 @@ impl<'a, C: Cells> Binning<'a, C> {
         matches!(self.method, Method::Centre | Method::CentreSmoothed)
     }
 
-    /// Appends (cell, volume) pairs for `ball`, in any order and possibly several per cell.
+    /// Appends (cell, volume) pairs for `ball`, which is at the centre of `image`, in any order and possibly several per cell.
     ///
     /// `seed` must differ between balls and be the same for a ball in every run.
-    pub fn bin(&self, ball: &Ball, seed: u64, scratch: &mut C::Scratch, out: &mut Vec<(u32, f64)>) {
+    pub fn bin(&self, ball: &Ball, image: &Image<'_>, seed: u64, scratch: &mut C::Scratch, out: &mut Vec<(u32, f64)>) {
         if let Some(elements) = &self.elements {
             return elements.bin(self.cells, ball, out);
         }
@@ -62,8 +63,8 @@ impl<'a, C: Cells> Binning<'a, C> {
             Method::Centre => centre::bin(self.cells, ball, scratch, out),
             Method::CentreSmoothed => centre::bin_smoothed(self.cells, ball, scratch, out),
             Method::Cube => cube::bin(self.cells, ball, scratch, out),
-            Method::Divided | Method::Sampled(_) => points::bin(self.cells, ball, &self.points, scratch, out),
-            Method::MonteCarlo(n) => points::bin(self.cells, ball, &points::random(n, seed), scratch, out),
+            Method::Divided | Method::Sampled(_) => points::bin(self.cells, ball, image, &self.points, scratch, out),
+            Method::MonteCarlo(n) => points::bin(self.cells, ball, image, &points::random(n, seed), scratch, out),
         }
     }
 

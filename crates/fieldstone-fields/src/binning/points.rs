@@ -3,18 +3,22 @@
 use fieldstone_geometry::Ball;
 use fieldstone_mesh::Cells;
 
+use crate::periodic::Image;
+
+/// Each point is looked up for itself: one on a periodic face belongs to one of the ball's images.
 pub(super) fn bin<C: Cells>(
     cells: &C,
     ball: &Ball,
+    image: &Image<'_>,
     points: &[[f64; 3]],
     scratch: &mut C::Scratch,
     out: &mut Vec<(u32, f64)>,
 ) {
-    let (centre, r) = (ball.centre(), ball.radius());
+    let r = ball.radius();
     let share = ball.volume() / points.len() as f64;
     for point in points {
-        let at = std::array::from_fn(|k| centre[k] + r * point[k]);
-        if let Some(cell) = cells.locate(at, scratch) {
+        let at = image.of(std::array::from_fn(|k| image.original[k] + r * point[k]));
+        if let Some(cell) = at.and_then(|at| cells.locate(at, scratch)) {
             out.push((cell, share));
         }
     }

@@ -90,4 +90,6 @@ pub struct CoarseGrainingLedger {
     pub stress_sum_contacts: [f64; 9],
     /// Σ σ V_c; zero unless the contact stress is among the sums.
     pub stress_sum_fields: [f64; 9],
+    /// Σ |f| |l| over all contacts: the size of what the two sums add up, which may cancel.
+    pub stress_scale: f64,
 }

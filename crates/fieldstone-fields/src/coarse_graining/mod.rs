@@ -103,6 +103,7 @@ struct Totals {
     clipped: NeumaierSum,
     momentum: [NeumaierSum; 3],
     stress: [NeumaierSum; 9],
+    stress_scale: NeumaierSum,
 }
 
 impl<'a, C: Cells> CoarseGraining<'a, C> {
@@ -218,6 +219,8 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
         for contact in sides {
             let s = outer(contact.force, contact.branch);
             (0..9).for_each(|k| self.totals.stress[k].add(sign * s[k]));
+            // |f ⊗ l| is |f| |l|.
+            self.totals.stress_scale.add(weight * s.iter().map(|x| x * x).sum::<f64>().sqrt());
         }
     }
 
@@ -246,7 +249,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             let mut list = Vec::new();
             for particle in 0..frame.len() {
                 first.push(list.len() as u32);
-                weigher.images(frame, particle, |centre| list.push((particle as u32, centre)));
+                weigher.images(frame, particle, |image| list.push((particle as u32, image.centre)));
             }
             carriers = Some(list);
             weigher.first_image = Some(&first);
@@ -430,6 +433,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             momentum_binned: binned.momentum,
             stress_sum_contacts: std::array::from_fn(|k| mean(&self.totals.stress[k])),
             stress_sum_fields: binned.stress,
+            stress_scale: mean(&self.totals.stress_scale),
             ..self.ledger
         };
         Ok(Fields { fields, sign: self.options.sign, function: self.options.function, contact_form: form, ledger })

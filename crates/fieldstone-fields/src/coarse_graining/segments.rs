@@ -57,36 +57,87 @@ impl<'a, C: Cells> Segments<'a, C> {
         if self.cells.clip_segment(start, along, &mut emit) {
             return;
         }
+        let mut found = Vec::new();
+        let mut cuts = vec![0.0, 1.0];
+        let mut in_face = false;
         self.cells.for_each_candidate(low, high, &mut |cell| {
-            let fraction: f64 =
-                self.parts[cell as usize].iter().map(|(sign, planes)| sign * clip(planes, start, along)).sum();
-            if fraction > 0.0 {
-                emit(cell, fraction);
+            let mut fraction = 0.0;
+            for (sign, planes) in &self.parts[cell as usize] {
+                let clipped = clip(planes, start, along);
+                fraction += sign * (clipped.to - clipped.from).max(0.0);
+                if clipped.to > clipped.from {
+                    in_face |= clipped.in_face;
+                    cuts.extend([clipped.from, clipped.to]);
+                }
             }
+            found.push((cell, fraction));
         });
+        if in_face {
+            return self.fractions_by_middles(cuts, start, along, scratch, emit);
+        }
+        found.into_iter().filter(|&(_, fraction)| fraction > 0.0).for_each(|(cell, fraction)| emit(cell, fraction));
+    }
+
+    /// As [`Segments::fractions`] where the segment lies in a face or along an edge: parts on both sides have it, and each
+    /// piece between two cuts goes to the one cell that is found at its middle.
+    fn fractions_by_middles(
+        &self,
+        mut cuts: Vec<f64>,
+        start: [f64; 3],
+        along: [f64; 3],
+        scratch: &mut C::Scratch,
+        mut emit: impl FnMut(u32, f64),
+    ) {
+        cuts.sort_by(f64::total_cmp);
+        for piece in cuts.windows(2).filter(|piece| piece[1] > piece[0]) {
+            let middle = 0.5 * (piece[0] + piece[1]);
+            let at = std::array::from_fn(|k| start[k] + middle * along[k]);
+            if let Some(cell) = self.cells.locate(at, scratch) {
+                emit(cell, piece[1] - piece[0]);
+            }
+        }
     }
 }
 
-/// Fraction of the segment behind all planes.
-fn clip(planes: &Planes, start: [f64; 3], along: [f64; 3]) -> f64 {
+/// The part of a segment that is behind all planes, as fractions of its length.
+struct Clipped {
+    from: f64,
+    to: f64,
+    /// Whether it lies in one of the planes, or so near that both cells beside it round where they cut.
+    in_face: bool,
+}
+
+/// Distance from a plane, relative to coordinates, below which the quotient that says where it is crossed has few digits left.
+const NEAR: f64 = 1e-9;
+
+fn clip(planes: &Planes, start: [f64; 3], along: [f64; 3]) -> Clipped {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (mut from, mut to) = (0.0f64, 1.0f64);
+    let largest = |v: [f64; 3]| v.into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let size = largest(start) + largest(along);
+    let mut clipped = Clipped { from: 0.0, to: 1.0, in_face: false };
     for &(normal, offset) in planes {
         let (height, rate) = (dot(normal, start) - offset, dot(normal, along));
+        let (scale, farther) = (largest(normal) * size + offset.abs(), height.abs().max((height + rate).abs()));
+        clipped.in_face |= farther <= NEAR * scale;
+        // Rounding of both products; neighbours round the same plane differently.
+        if farther <= 16.0 * f64::EPSILON * scale {
+            continue;
+        }
         if rate == 0.0 {
             if height > 0.0 {
-                return 0.0;
+                clipped.to = clipped.from;
+                return clipped;
             }
             continue;
         }
         let t = -height / rate;
         if rate > 0.0 {
-            to = to.min(t);
+            clipped.to = clipped.to.min(t);
         } else {
-            from = from.max(t);
+            clipped.from = clipped.from.max(t);
         }
     }
-    (to - from).max(0.0)
+    clipped
 }
 
 /// Planes of a convex element in CGNS order.

@@ -9,7 +9,7 @@ use super::frame::Frame;
 use super::places::Places;
 use super::segments::Segments;
 use crate::binning::Binning;
-use crate::periodic::Periods;
+use crate::periodic::{Image, Periods};
 use crate::scatter::Pair;
 use crate::{FieldsError, Kernel};
 
@@ -106,8 +106,8 @@ pub(super) struct Weigher<'a, C: Cells> {
 }
 
 impl<C: Cells> Weigher<'_, C> {
-    /// Calls `visit` with the centre of every image of a particle that may reach cells.
-    pub fn images(&self, frame: &Frame<'_>, particle: usize, visit: impl FnMut([f64; 3])) {
+    /// Calls `visit` with every image of a particle that may reach cells.
+    pub fn images(&self, frame: &Frame<'_>, particle: usize, visit: impl FnMut(Image<'_>)) {
         let reach = match &self.weights {
             ParticleWeights::Overlap(binning) if binning.by_centre() => None,
             ParticleWeights::Overlap(_) => Some(frame.radii[particle]),
@@ -135,11 +135,11 @@ impl<C: Cells> Weigher<'_, C> {
         match &self.weights {
             ParticleWeights::Overlap(binning) => {
                 let share = 1.0 / frame.volumes[particle];
-                self.images(frame, particle, |centre| {
+                self.images(frame, particle, |image| {
                     scratch.row.clear();
-                    match Ball::new(centre, frame.radii[particle]) {
+                    match Ball::new(image.centre, frame.radii[particle]) {
                         Ok(ball) => {
-                            binning.bin(&ball, particle as u64, &mut scratch.cells, &mut scratch.row);
+                            binning.bin(&ball, &image, particle as u64, &mut scratch.cells, &mut scratch.row);
                             placed += binning.placed(&ball, &scratch.row) * share;
                         }
                         Err(source) => failure = Some(FieldsError::Ball { particle, source }),
@@ -154,8 +154,8 @@ impl<C: Cells> Weigher<'_, C> {
             }
             ParticleWeights::Sampled { sampling, conserve } => {
                 let first = carrier;
-                self.images(frame, particle, |centre| {
-                    sampling.point(centre, |cell, weight| {
+                self.images(frame, particle, |image| {
+                    sampling.point(image.centre, |cell, weight| {
                         placed += weight * self.cells.cell_volume(cell as usize);
                         out.push(Pair { cell, carrier, weight });
                     });
@@ -190,8 +190,8 @@ impl<C: Cells> Weigher<'_, C> {
         let (cell, point) = home?;
         // A point that rounding has put beside the outer face of the cells was moved onto it: its image is the nearest.
         let (mut image, mut nearest, mut number) = (0, f64::INFINITY, 0);
-        self.images(frame, particle, |centre| {
-            let distance: f64 = (0..3).map(|k| (centre[k] - point[k]).powi(2)).sum();
+        self.images(frame, particle, |other| {
+            let distance: f64 = (0..3).map(|k| (other.centre[k] - point[k]).powi(2)).sum();
             if distance < nearest {
                 (image, nearest) = (number, distance);
             }
@@ -213,8 +213,9 @@ impl<C: Cells> Weigher<'_, C> {
         }
         let mut failure = None;
         let radius = frame.radii[particle];
-        self.images(frame, particle, |centre| match Ball::new(centre, radius) {
+        self.images(frame, particle, |image| match Ball::new(image.centre, radius) {
             Ok(ball) => {
+                let centre = image.centre;
                 self.cells.for_each_candidate(centre.map(|x| x - radius), centre.map(|x| x + radius), &mut |cell| {
                     let mut first = [0.0; 3];
                     for (sign, element) in &elements[cell as usize] {
@@ -242,13 +243,6 @@ pub(super) enum ContactWeights<'a, C: Cells> {
 }
 
 impl<C: Cells> ContactWeights<'_, C> {
-    fn reach(&self) -> f64 {
-        match self {
-            Self::Sampled(sampling) => sampling.reach(),
-            Self::Segments(_) => 0.0,
-        }
-    }
-
     /// Pairs of the branch from `start`, in all images.
     pub fn branch(
         &self,
@@ -258,23 +252,26 @@ impl<C: Cells> ContactWeights<'_, C> {
         scratch: &mut Scratch<C>,
         mut emit: impl FnMut(u32, f64),
     ) {
-        let c = self.reach();
-        let low = std::array::from_fn(|k| start[k] + branch[k].min(0.0) - c);
-        let high = std::array::from_fn(|k| start[k] + branch[k].max(0.0) + c);
-        periods.for_each(low, high, |shift| {
-            let from: [f64; 3] = std::array::from_fn(|k| start[k] + shift[k]);
-            match self {
-                Self::Sampled(sampling) => sampling.branch(from, branch, &mut emit),
-                Self::Segments(segments) => segments.fractions(from, branch, &mut scratch.cells, &mut emit),
+        match self {
+            Self::Sampled(sampling) => {
+                let c = sampling.reach();
+                let low = std::array::from_fn(|k| start[k] + branch[k].min(0.0) - c);
+                let high = std::array::from_fn(|k| start[k] + branch[k].max(0.0) + c);
+                periods.for_each(low, high, |shift| {
+                    sampling.branch(std::array::from_fn(|k| start[k] + shift[k]), branch, &mut emit);
+                });
             }
-        });
+            Self::Segments(segments) => periods.for_each_segment(start, branch, |from, along| {
+                segments.fractions(from, along, &mut scratch.cells, &mut emit);
+            }),
+        }
     }
 
     /// Pairs of a contact point, in all images.
     pub fn point(&self, periods: &Periods, at: [f64; 3], scratch: &mut Scratch<C>, mut emit: impl FnMut(u32, f64)) {
         match self {
             Self::Sampled(sampling) => {
-                periods.for_each_image(at, Some(self.reach()), |at| sampling.point(at, &mut emit));
+                periods.for_each_image(at, Some(sampling.reach()), |image| sampling.point(image.centre, &mut emit));
             }
             Self::Segments(segments) => periods.for_each_point(at, |at| {
                 if let Some(cell) = segments.locate(at, &mut scratch.cells) {

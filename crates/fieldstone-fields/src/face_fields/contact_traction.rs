@@ -43,7 +43,8 @@ pub struct ContactTraction {
 /// face form of $\partial_t j = -\nabla\cdot\sigma + \mathrm{IFD}$ for a single snapshot. Where a wall's contact point
 /// lies outside all cells, its force comes in through the boundary's faces.
 ///
-/// With a `domain`, images of contacts and centres are counted along its periodic directions.
+/// With a `domain`, images of contacts and centres are counted along its periodic directions; what lies exactly on a
+/// periodic face of the cells lies above it, and counts once.
 ///
 /// Cost: linear in contacts and faces passed. The same bits for any number of threads.
 ///
@@ -93,8 +94,8 @@ pub fn contact_traction<C: Faces>(
                     let low = std::array::from_fn(|k| centre[k].min(from[k]));
                     let high = std::array::from_fn(|k| centre[k].max(from[k]));
                     periods.for_each(low, high, |shift| {
-                        let start: [f64; 3] = std::array::from_fn(|k| from[k] + shift[k]);
-                        let end: [f64; 3] = std::array::from_fn(|k| centre[k] + shift[k]);
+                        let moved = |at: [f64; 3]| periods.off_faces(std::array::from_fn(|k| at[k] + shift[k]));
+                        let (start, end) = (moved(from), moved(centre));
                         cells.for_each_crossing(start, end, &mut |face, way| {
                             through.push((face, contact.force.map(|f| way * f)));
                         });
@@ -117,7 +118,8 @@ pub fn contact_traction<C: Faces>(
     let mut scratch = cells.scratch();
     for (&at, force) in positions.iter().zip(contacts.force_sums(positions.len())) {
         periods.for_each(at, at, |shift| {
-            if let Some(cell) = cells.locate(std::array::from_fn(|k| at[k] + shift[k]), &mut scratch) {
+            let moved = periods.off_faces(std::array::from_fn(|k| at[k] + shift[k]));
+            if let Some(cell) = cells.locate(moved, &mut scratch) {
                 add(&mut residuals[cell as usize], 1.0, force);
             }
         });

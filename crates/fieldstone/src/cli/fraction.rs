@@ -140,9 +140,9 @@ impl Fraction {
                 if found > 0 {
                     report::warn(&inside_out(mesh, &self.cells.name()));
                 }
-                (self.compute(mesh.as_ref(), &particles, &mut timing)?, found)
+                (self.compute(mesh.as_ref(), &particles, found, &mut timing)?, found)
             }
-            CellSet::Grid(grid) => (self.compute(grid, &particles, &mut timing)?, 0),
+            CellSet::Grid(grid) => (self.compute(grid, &particles, 0, &mut timing)?, 0),
         };
         timing.measure("write", || target.write(&cells, &outcome, self.binary))?;
 
@@ -201,7 +201,14 @@ impl Fraction {
         Ok(target)
     }
 
-    fn compute<C: Cells>(&self, cells: &C, particles: &Particles, timing: &mut Timing) -> anyhow::Result<Outcome> {
+    /// The fields, with warnings about what they are made from and add up to; inverted cells have been told of.
+    fn compute<C: Cells>(
+        &self,
+        cells: &C,
+        particles: &Particles,
+        inverted: usize,
+        timing: &mut Timing,
+    ) -> anyhow::Result<Outcome> {
         let periodic = self.periodic.domain(particles, cells.bounds());
         let (domain, note) = periodic.map_err(|e| anyhow!("{}: {e}", self.particles.particles.display()))?;
         if let Some(note) = note {
@@ -219,7 +226,15 @@ impl Fraction {
             smoothing_length: self.smooth.unwrap_or(0.0),
             cap: self.cap,
         };
-        compute(cells, particles, &options, timing).map_err(|error| self.placed(error))
+        let outcome = compute(cells, particles, &options, timing).map_err(|error| self.placed(error))?;
+        let ledger = &outcome.fields.ledger;
+        if inverted == 0
+            && !report::repeats(domain.as_ref(), cells.bounds())
+            && let Some(warning) = report::counted_twice("volume", ledger.clipped_volume, ledger.particle_volume)
+        {
+            report::warn(&warning);
+        }
+        Ok(outcome)
     }
 
     /// An error with the file that it concerns.

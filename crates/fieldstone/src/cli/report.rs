@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write as _, stderr, stdout};
 
 use anyhow::Context;
 use fieldstone::fields::SolidFraction;
+use fieldstone::particles::Domain;
 
 /// Writes to standard output; the macros of the standard library would panic where that is closed or full.
 ///
@@ -91,13 +92,30 @@ pub(crate) fn clipped(
     (name, format!("{}  ({:.4} %, {why})", number(clipped.max(0.0)), 100.0 * share.max(0.0)))
 }
 
+/// Whether cells within these bounds are wider than a period, and see some of what is in the box more than once.
+pub(crate) fn repeats(domain: Option<&Domain>, (low, high): ([f64; 3], [f64; 3])) -> bool {
+    let wide = |d: &Domain, k: usize| high[k] - low[k] > d.cell_vectors()[k][k] * (1.0 + ROUNDING);
+    domain.is_some_and(|d| (0..3).any(|k| d.periodic()[k] && wide(d, k)))
+}
+
+/// What to say where cells that see everything once hold more than there is: `clipped` is what of a total lies in none.
+pub(crate) fn counted_twice(what: &str, clipped: f64, total: f64) -> Option<String> {
+    (clipped < -ROUNDING * total).then(|| {
+        format!(
+            "the cells hold {:.4} % of the particles' {what}, and none of them repeats the periodic box: they overlap \
+             each other, and what lies in two is counted twice; mend the mesh",
+            100.0 * (1.0 - clipped / total)
+        )
+    })
+}
+
 /// A number with the digits that a message needs.
 pub(crate) fn short(x: f64) -> f64 {
     format!("{x:.6e}").parse().unwrap_or(x)
 }
 
 /// Share of the particles' volume up to which the sum of what lies outside may differ from 0 by rounding.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// A number with its shortest exact digits, in scientific notation where that is shorter to read.
 pub(crate) fn number(x: f64) -> String {

@@ -99,6 +99,7 @@ impl Folder {
 
     /// As [`Folder::fieldstone`], for a run that must end with exit code 1 and a message, and leave everything as it
     /// was; the message.
+    #[allow(dead_code, reason = "not every suite has refusals")]
     #[track_caller]
     pub fn fails(&self, line: &str) -> String {
         let before = self.files();

@@ -3,12 +3,17 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use fieldstone::fields::{CoarseGrainingLedger, CoarseGrainingOptions, FieldName, Fields, Function};
+use fieldstone::fields::{
+    CoarseGrainingLedger, CoarseGrainingOptions, ContactForm, FieldName, Fields, Function, Method,
+};
 use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
 use super::binned::Found;
-use crate::cli::report::{clipped, number};
+use crate::cli::report::{ROUNDING, clipped, counted_twice, number, repeats};
+
+/// Share of the mass by which samples of kernels may be off before it is worth a warning.
+const MOST_OFF: f64 = 0.05;
 
 /// What has been seen of the frames themselves.
 #[derive(Debug, Default)]
@@ -39,6 +44,11 @@ pub(super) struct Account {
     sign: &'static str,
     /// Whether cells see particles by kernels at points, which conserve nothing.
     sampled: bool,
+    /// Whether cells are wider than a period, and see some particles more than once.
+    repeats: bool,
+    /// By how much of Σ |f| |l| the sum of the stresses may differ from Σ f ⊗ l where no mass is clipped; `None` where it is
+    /// not promised at all.
+    stress_tolerance: Option<f64>,
     /// Whether momenta and stresses are among the sums.
     has_momentum: bool,
     has_stress: bool,
@@ -66,13 +76,21 @@ struct Json {
 
 impl Account {
     /// The account of a run on so many cells; `sign` is which stresses are positive.
-    pub fn new(options: &CoarseGrainingOptions, cells: usize, gravity: Option<[f64; 3]>, sign: &'static str) -> Self {
+    pub fn new(
+        options: &CoarseGrainingOptions,
+        cells: usize,
+        bounds: ([f64; 3], [f64; 3]),
+        gravity: Option<[f64; 3]>,
+        sign: &'static str,
+    ) -> Self {
         let has = |needs: fn(FieldName) -> bool| options.fields.iter().any(|field| needs(*field));
         Self {
             cells,
             gravity,
             sign,
             sampled: matches!(options.function, Function::Kernel(_)) && !options.conserve,
+            repeats: repeats(options.domain.as_ref(), bounds),
+            stress_tolerance: stress_tolerance(options).filter(|_| has(needs_stress)),
             has_momentum: has(needs_momentum),
             has_stress: has(needs_stress),
             ..Self::default()
@@ -99,6 +117,7 @@ impl Account {
         add(&mut sum.momentum_binned, &l.momentum_binned);
         add(&mut sum.stress_sum_contacts, &l.stress_sum_contacts);
         add(&mut sum.stress_sum_fields, &l.stress_sum_fields);
+        sum.stress_scale += l.stress_scale;
         if let Some(field) = fields.get("boundary_force_density") {
             let force = self.boundary_force.get_or_insert_default();
             for (cell, density) in field.data.as_chunks::<3>().0.iter().enumerate() {
@@ -129,6 +148,7 @@ impl Account {
             momentum_binned: l.momentum_binned.map(|x| x / n),
             stress_sum_contacts: l.stress_sum_contacts.map(|x| x / n),
             stress_sum_fields: l.stress_sum_fields.map(|x| x / n),
+            stress_scale: l.stress_scale / n,
             ..*l
         }
     }
@@ -156,6 +176,39 @@ impl Account {
         Ok(())
     }
 
+    /// What the user should know of sums that are not what they should be.
+    pub fn warning(&self) -> Option<String> {
+        let l = self.mean();
+        if self.repeats {
+            return None;
+        }
+        if self.sampled {
+            let share = if l.mass_in > 0.0 { 1.0 - l.mass_clipped / l.mass_in } else { 1.0 };
+            return ((share - 1.0).abs() > MOST_OFF).then(|| {
+                let more = if share > 1.0 { "" } else { ", or the kernel reaches beyond the outer cells" };
+                format!(
+                    "the sampled kernel gives the cells {:.1} % of the mass: their centres are too far apart for its width{more}; \
+                     give --conserve, finer cells or a larger --width",
+                    100.0 * share
+                )
+            });
+        }
+        let twice = counted_twice("mass", l.mass_clipped, l.mass_in);
+        if twice.is_some() || l.mass_clipped > ROUNDING * l.mass_in {
+            return twice;
+        }
+        let pairs = || l.stress_sum_fields.iter().zip(&l.stress_sum_contacts);
+        let off = pairs().map(|(fields, contacts)| (fields - contacts).abs()).fold(0.0, f64::max);
+        self.stress_tolerance.filter(|tolerance| off > tolerance * l.stress_scale).map(|_| {
+            format!(
+                "Σ σ V over the cells differs from Σ f ⊗ l over the contacts by {:.1} % of Σ |f| |l|, though all particles \
+                 are in the cells: branches leave the cells, or cells overlap each other; check the contacts' vectors and \
+                 the mesh",
+                100.0 * off / l.stress_scale
+            )
+        })
+    }
+
     /// The lines that every run prints.
     pub fn text(&self) -> String {
         let l = self.mean();
@@ -174,8 +227,12 @@ impl Account {
         line("mass binned", format!("{}  ({:.4} %)", short(l.mass_binned), share(l.mass_binned)));
         if self.sampled {
             // Below 0 where the samples happen to be near the particles.
-            let missed = share(l.mass_clipped);
-            line("mass clipped", format!("{}  ({missed:.4} %, missed by the sampled kernel)", short(l.mass_clipped)));
+            let (name, off, how) = if l.mass_clipped < 0.0 {
+                ("mass in surplus", -l.mass_clipped, "added")
+            } else {
+                ("mass clipped", l.mass_clipped, "missed")
+            };
+            line(name, format!("{}  ({:.4} %, {how} by the sampled kernel)", short(off), share(off)));
         } else {
             let (name, value) = clipped("mass clipped", l.mass_clipped, l.mass_in, "outside the cells", short);
             line(name, value);
@@ -203,6 +260,18 @@ impl Account {
             line("balance residual", format!("{balance:.1e}  (worst cell, over the largest contact force)"));
         }
         text
+    }
+}
+
+/// By how much of Σ |f| |l| the cells' stresses may miss Σ f ⊗ l where all particles are in the cells.
+fn stress_tolerance(options: &CoarseGrainingOptions) -> Option<f64> {
+    match (options.function, options.form()) {
+        (Function::Kernel(_), _) | (Function::Overlap(Method::CentreSmoothed), _) | (_, ContactForm::LineIntegral) => {
+            None
+        }
+        (_, ContactForm::ParticleCentred) => Some(1e-6),
+        // Branches to points of contact that lie in a wall end beyond the cells.
+        (_, ContactForm::BranchInCell) => Some(0.05),
     }
 }
 

@@ -142,6 +142,9 @@ impl Run<'_> {
             CellSet::Cylinder(grid) => self.on_cells(grid, None, job)?,
         };
         series.warnings().iter().for_each(|warning| report::warn(warning));
+        if let Some(warning) = account.warning() {
+            report::warn(&warning);
+        }
         if let Some(path) = &self.settings.json {
             account.write(path, begin.elapsed().as_secs_f64())?;
         }
@@ -183,7 +186,7 @@ impl Run<'_> {
             Ok(frame)
         });
         let sign = if settings.sign == Some(Sign::Tension) { "tension" } else { "compression" };
-        let mut account = Account::new(&self.options, job.cells.count(), self.gravity, sign);
+        let mut account = Account::new(&self.options, job.cells.count(), cells.bounds(), self.gravity, sign);
         let mut sink = |mut outcome: Outcome| {
             account.add(&outcome.fields, |cell| cells.cell_volume(cell));
             account.add_balance(outcome.balance);
