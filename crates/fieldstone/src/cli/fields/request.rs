@@ -132,6 +132,9 @@ impl<'a> Run<'a> {
             conserve: settings.conserve.unwrap_or(false),
             selection,
             particle_density: settings.density,
+            parcel_weight: (settings.parcel_weight.as_ref())
+                .map(|text| text.parse().map_err(|e| anyhow!("--parcel-weight {text}: {e}")))
+                .transpose()?,
             ..defaults
         })
     }
