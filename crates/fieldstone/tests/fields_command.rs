@@ -159,7 +159,7 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     folder.succeeds("fields bytes.toml --out b.vti");
     let data = |name: &str| vtk::read_vtk(&folder.path(name)).unwrap().cell_data;
     assert_eq!(data("a.vti"), data("b.vti"));
-    assert!(image.skipped.is_empty() && !folder.succeeds("info a.vti").contains("fieldstone "));
+    assert!(image.skipped.is_empty() && !folder.succeeds("info a.vti").stdout.contains("fieldstone "));
 
     // One number stands for a list of one, as on the command line.
     let single = "particles = \"box.data\"\ncells = 2\nspecies = 0\nframes = 1\ndensity = 2\nfields = \"density\"\n";
