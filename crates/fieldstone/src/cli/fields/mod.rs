@@ -163,7 +163,7 @@ impl Run<'_> {
         let fields = &mut self.options.fields;
         let out: Vec<&str> = fields.iter().filter(|field| needs_velocity(**field)).map(|field| field.name()).collect();
         if !out.is_empty() {
-            report::warn(&format!(
+            self.warnings.push(format!(
                 "{name}: the particles have no velocities, so these fields are left out: {}",
                 out.join(", ")
             ));
@@ -233,7 +233,7 @@ impl Run<'_> {
         }
         self.check_binned(cells, &account)?;
         writer.finish()?;
-        warnings.iter().for_each(|warning| report::warn(warning));
+        self.warnings.iter().chain(&warnings).for_each(|warning| report::warn(warning));
         Ok(account)
     }
 

@@ -31,6 +31,8 @@ pub(super) struct Run<'a> {
     pub gravity: Option<[f64; 3]>,
     /// Types that get fields of their own.
     pub species: Vec<i64>,
+    /// What to say once the results are there.
+    pub warnings: Vec<String>,
 }
 
 impl<'a> Run<'a> {
@@ -72,6 +74,7 @@ impl<'a> Run<'a> {
             options: CoarseGrainingOptions::default(),
             gravity,
             species: Vec::new(),
+            warnings: Vec::new(),
         };
         run.bounds = run.bounds()?;
         run.options = run.options()?;

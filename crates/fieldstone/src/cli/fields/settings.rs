@@ -57,30 +57,40 @@ impl<'de, T: Deserialize<'de> + FromStr> Deserialize<'de> for Numbers<T> {
 }
 
 /// Text in TOML, where the command line takes one number as it stands: `frames = 3`.
+fn text_or_whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    deserializer.deserialize_any(TextOrNumber { whole: true })
+}
+
+/// The same with any number: `parcel-weight = 2.5`.
 fn text_or_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
-    struct TextOrNumber;
+    deserializer.deserialize_any(TextOrNumber { whole: false })
+}
 
-    impl Visitor<'_> for TextOrNumber {
-        type Value = Option<String>;
+struct TextOrNumber {
+    whole: bool,
+}
 
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a string or a number")
-        }
+impl Visitor<'_> for TextOrNumber {
+    type Value = Option<String>;
 
-        fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
-            Ok(Some(number.to_string()))
-        }
-
-        fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
-            Ok(Some(number.to_string()))
-        }
-
-        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
-            Ok(Some(text.into()))
-        }
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.whole { "a string or a whole number" } else { "a string or a number" })
     }
 
-    deserializer.deserialize_any(TextOrNumber)
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
+        if self.whole {
+            return Err(E::invalid_type(de::Unexpected::Float(number), &self));
+        }
+        Ok(Some(number.to_string()))
+    }
+
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
+        Ok(Some(number.to_string()))
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+        Ok(Some(text.into()))
+    }
 }
 
 impl<T: FromStr> FromStr for Numbers<T> {
@@ -384,7 +394,7 @@ pub(crate) struct Settings {
     ///
     /// Default: all for .pvd, .stat, --average and --smooth; else the last one.
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
-    #[serde(deserialize_with = "text_or_number")]
+    #[serde(deserialize_with = "text_or_whole")]
     pub frames: Option<String>,
     /// One result: the mean over the frames
     #[arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "smooth")]
