@@ -44,7 +44,10 @@ fi
 samples=$(mktemp -d)
 trap 'rm -rf "$log" "$samples"' EXIT
 cargo run --quiet --locked -p fieldstone-io --example write_vtk_samples -- "$samples"
-.venv/bin/python tools/check_vtk_output.py "$samples"
+printf 'x,y,z,r,mass\n0.003,0.003,0.003,0.001,1\n' > "$samples/ball.csv"
+cargo run --release --quiet --locked -p fieldstone -- fields --particles "$samples/ball.csv" \
+    --mesh "$samples/standard_raw_zlib.vtu" --fields volume_fraction,density,mean_radius --out "$samples/fields.vtu"
+.venv/bin/python tools/check_vtk_output.py "$samples" "$samples/fields.vtu"
 
 step "the demo"
 cargo run --release --quiet --locked -p fieldstone -- demo "$samples/demo"

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Opens files that fieldstone wrote with VTK, pyvista and meshio, and compares every number.
 
-    cargo run -p fieldstone-io --example write_vtk_samples -- FOLDER && python tools/check_vtk_output.py FOLDER
+    cargo run -p fieldstone-io --example write_vtk_samples -- FOLDER
+    python tools/check_vtk_output.py FOLDER [RESULT.vtu ...]
+
+Each RESULT is what `fieldstone fields` wrote on a mesh: both readers must find the same in it, and the settings.
 
 Ends with status 1 at the first difference, at any error or warning that VTK reports, and where nothing was
 compared. Needs numpy, vtk, pyvista and meshio.
@@ -109,6 +112,14 @@ def with_pyvista(path, wanted):
     columns(data.cell_data, wanted.get("cell_data", {}), "cell data")
     if wanted.get("time") is not None:
         equal(data.field_data["TimeValue"], [wanted["time"]], "time")
+    check_texts(data.field_data, wanted)
+
+
+def check_texts(field_data, wanted):
+    for name, text in wanted.get("texts", {}).items():
+        found = bytes(np.asarray(field_data[name])).decode("ascii")
+        if found != text:
+            raise Difference(f"{name}: '{found}' instead of '{text}'")
 
 
 def with_meshio(path, wanted):
@@ -121,10 +132,28 @@ def with_meshio(path, wanted):
     # meshio keeps one list for each block of cells of a type.
     joined = {name: np.concatenate(blocks) for name, blocks in mesh.cell_data.items()}
     columns(joined, wanted["cell_data"], "meshio's cell data")
+    check_texts(mesh.field_data, wanted)
+
+
+def same_in_both(path):
+    """Opens a result as it is with pyvista and meshio."""
+    data = pyvista.read(path)
+    with contextlib.redirect_stdout(io.StringIO()):
+        mesh = meshio.read(path)
+    equal(mesh.points, data.points, "points")
+    joined = {name: np.concatenate(blocks) for name, blocks in mesh.cell_data.items()}
+    if not joined or set(joined) != set(data.cell_data.keys()):
+        raise Difference(f"meshio finds the fields {sorted(joined)}, VTK {sorted(data.cell_data.keys())}")
+    for name, values in joined.items():
+        equal(values, data.cell_data[name], name)
+    settings = bytes(np.asarray(data.field_data["fieldstone"])).decode("ascii")
+    if "fieldstone fields with these settings" not in settings:
+        raise Difference(f"the settings are '{settings[:80]}'")
+    check_texts(mesh.field_data, {"texts": {"fieldstone": settings}})
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 2:
         sys.exit(__doc__)
     folder = Path(sys.argv[1])
     expected = json.loads((folder / "expected.json").read_text())
@@ -138,6 +167,13 @@ def main():
             if path.name.startswith(MESHIO_READS) and "_lz4" not in path.name:
                 with_meshio(path, wanted)
                 by_meshio += 1
+        except Difference as difference:
+            sys.exit(f"{path}: {difference}")
+        if complaints.found:
+            sys.exit(f"{path}: {complaints.found[0]}")
+    for path in sys.argv[2:]:
+        try:
+            same_in_both(path)
         except Difference as difference:
             sys.exit(f"{path}: {difference}")
         if complaints.found:

@@ -19,6 +19,14 @@ pub(crate) fn check_radii(radii: &[f64]) -> Result<(), FieldsError> {
     }
 }
 
+/// Refuses numbers of particles that are none.
+pub(crate) fn check_parcel_weights(weights: &[f64]) -> Result<(), FieldsError> {
+    match weights.iter().position(|w| !(0.0..=1e100).contains(w)) {
+        Some(particle) => Err(FieldsError::ParcelWeight { particle, value: weights[particle] }),
+        None => Ok(()),
+    }
+}
+
 /// Refuses contacts of particles that there are not.
 pub(crate) fn check_partners(contacts: &Contacts, particle_count: usize) -> Result<(), FieldsError> {
     for (index, contact) in contacts.iter().enumerate() {

@@ -4,7 +4,7 @@ use fieldstone_mesh::Cells;
 use fieldstone_particles::{Domain, Particles};
 use rayon::prelude::*;
 
-use crate::checks::check_length;
+use crate::checks::{check_length, check_parcel_weights};
 use crate::periodic::Periods;
 use crate::{FieldsError, Ledger, Method, NeumaierSum, Weights, smooth_conservatively};
 
@@ -98,9 +98,7 @@ pub fn solid_fraction_observed<C: Cells>(
     let parcels = match &options.parcel_weights {
         Some(w) => {
             check_length("particles", w.len(), count)?;
-            if let Some(particle) = w.iter().position(|w| !(0.0..=1e100).contains(w)) {
-                return Err(FieldsError::ParcelWeight { particle, value: w[particle] });
-            }
+            check_parcel_weights(w)?;
             w
         }
         None => {

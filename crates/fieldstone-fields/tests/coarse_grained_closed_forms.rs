@@ -512,7 +512,7 @@ fn any_column_becomes_a_sum_or_a_mean() {
         fields: vec![],
         quantities: vec![
             quantity("heat", &["temperature"], QuantityKind::Sum),
-            quantity("by_mass", &["temperature", "velocity[2]"], QuantityKind::MassMean),
+            quantity("by_mass", &["temperature", "velocity[3]"], QuantityKind::MassMean),
             quantity("by_volume", &["velocity"], QuantityKind::VolumeMean),
         ],
         ..all(EXACT)

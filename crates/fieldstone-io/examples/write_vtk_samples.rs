@@ -36,6 +36,9 @@ fn columns(rows: usize, seed: u32) -> Vec<DataArray> {
     ]
 }
 
+/// A text as results have it: how they were made.
+const MADE: &str = "# with these settings\ncells = [1, 2]\nout = \"a <&>.vtu\"\n";
+
 fn json_columns(arrays: &[DataArray]) -> Value {
     let one = |a: &DataArray| {
         let numbers = match &a.values {
@@ -72,11 +75,17 @@ impl Samples {
             name,
             json!({
                 "wedges_before_vtk97": encoding.wedges == VtkWedges::BeforeVtk97,
-                "points": mesh.parts().points, "volumes": mesh.cell_volumes(), "time": 0.75,
+                "texts": {"made": MADE}, "points": mesh.parts().points, "volumes": mesh.cell_volumes(), "time": 0.75,
                 "point_data": json_columns(&points), "cell_data": json_columns(&cells),
             }),
         );
-        let arrays = VtkArrays { points: &points, cells: &cells, time: Some(0.75), ..VtkArrays::default() };
+        let arrays = VtkArrays {
+            points: &points,
+            cells: &cells,
+            time: Some(0.75),
+            texts: &[("made", MADE)],
+            ..VtkArrays::default()
+        };
         write_vtu(&path, mesh, arrays, encoding)?;
         Ok(())
     }

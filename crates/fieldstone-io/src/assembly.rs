@@ -233,6 +233,6 @@ impl Assembly {
             let quantity = Quantity { name: group.name.clone(), components: group.columns.len(), data };
             particles = particles.with_quantity(quantity)?;
         }
-        Ok(particles)
+        Ok(columns.with_source_names(particles))
     }
 }

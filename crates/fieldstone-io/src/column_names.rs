@@ -39,6 +39,7 @@ const TABLE: Naming = Naming {
         (["position:0", "position:1", "position:2"], false),
         (["position_x", "position_y", "position_z"], false),
         (["pos_x", "pos_y", "pos_z"], false),
+        (["pos.x", "pos.y", "pos.z"], false),
     ],
     radii: &["radius", "radii", "r", "rad"],
     diameters: &["diameter", "d", "diam"],
@@ -51,13 +52,18 @@ const SPELT_OUT: (&[&str], &[&str]) = (&["radius", "radii", "rad"], &["diameter"
 
 /// Standard names of vectors, and what arrays of three numbers are called.
 const VECTORS: [(&str, &[&str]); 3] = [
-    ("velocity", &["velocity", "v", "U"]),
+    ("velocity", &["velocity", "v", "U", "Vel"]),
     ("force", &["force", "f"]),
     ("angular_velocity", &["angular_velocity", "omega"]),
 ];
 
 /// Standard names of scalars, and what files call them.
-const SCALARS: [(&str, &[&str]); 2] = [("mass", &["mass"]), ("density", &["density", "rho"])];
+const SCALARS: [(&str, &[&str]); 2] = [("mass", &["mass"]), ("density", &["density", "rho", "rhop"])];
+
+/// Whether a quantity of this name is one that computations look for.
+pub(crate) fn is_standard(name: &str) -> bool {
+    VECTORS.iter().chain(&SCALARS).any(|(standard, _)| *standard == name)
+}
 
 /// Share by which a diameter may differ from twice the radius: files are written with few digits, and wrong columns are
 /// off by factors.
@@ -87,7 +93,7 @@ impl Dialect {
     }
 
     fn is(self, name: &str, alias: &str) -> bool {
-        // A capital is the name only as it stands: U is OpenFOAM's velocity, u may be a displacement.
+        // A capital is the name only as it stands: U is OpenFOAM's velocity, Vel DualSPHysics's; u may be a displacement.
         let exact = self == Self::Dump || alias.bytes().any(|b| b.is_ascii_uppercase());
         name == alias || (!exact && name.eq_ignore_ascii_case(alias))
     }

@@ -5,8 +5,10 @@
 
 use std::collections::BTreeMap;
 
+use fieldstone_particles::Particles;
+
 use crate::assembly::{Fault, Row};
-use crate::column_names::{Dialect, FreeColumns, SizeColumn};
+use crate::column_names::{Dialect, FreeColumns, SizeColumn, is_standard};
 use crate::lines::{integer, number, shown, skip_blanks, words};
 
 /// How a column is read.
@@ -85,6 +87,29 @@ impl Columns {
             needed[column] = needed[earlier];
         }
         Ok(Self { names, cells, needed, position, scaled, size, id, kind, groups, repeated })
+    }
+
+    /// Whether a column is more than a quantity of its own name.
+    pub(crate) fn has_meaning(&self, column: usize) -> bool {
+        let standard = |group: &Group| {
+            group.columns.contains(&column)
+                && (VECTORS.iter().any(|(name, _)| *name == group.name) || is_standard(&group.name))
+        };
+        self.needed[column] || self.kind == Some(column) || self.groups.iter().any(standard)
+    }
+
+    /// The particles with what these columns are called.
+    pub(crate) fn with_source_names(&self, mut particles: Particles) -> Particles {
+        let size = self.size.map(|size| (if size.factor == 1.0 { "radius" } else { "diameter" }, size.column));
+        let singles = [("id", self.id), ("type", self.kind)].into_iter().filter_map(|(of, column)| Some((of, column?)));
+        for (of, column) in singles.chain(size) {
+            particles = particles.with_source_names(of, &[&self.names[column]]);
+        }
+        for group in &self.groups {
+            let names: Vec<&String> = group.columns.iter().map(|&column| &self.names[column]).collect();
+            particles = particles.with_source_names(&group.name, &names);
+        }
+        particles
     }
 
     /// Whether the coordinates are fractions of the box.
@@ -238,7 +263,7 @@ fn groups(mut free: FreeColumns<'_>, dialect: Dialect) -> Vec<Group> {
     groups
 }
 
-/// Groups of columns that number their components: `c_st[1] … c_st[6]`, `v:0 v:1 v:2`, `v_x v_y v_z`.
+/// Groups of columns that number their components: `c_st[1] … c_st[6]`, `v:0 v:1 v:2`, `v_x v_y v_z`, `Vel.x Vel.y Vel.z`.
 fn arrays(free: &FreeColumns<'_>, dialect: Dialect) -> Vec<Group> {
     // Keyed by base name and style of numbering; values are component → column.
     let mut found: BTreeMap<(String, u8), BTreeMap<usize, usize>> = BTreeMap::new();
@@ -252,7 +277,7 @@ fn arrays(free: &FreeColumns<'_>, dialect: Dialect) -> Vec<Group> {
     for ((base, style), members) in found {
         let start = usize::from(style == b'[');
         let consecutive = members.keys().copied().eq(start..start + members.len());
-        if members.len() < 2 || !consecutive || (style == b'_' && members.len() != 3) {
+        if members.len() < 2 || !consecutive || (b"_.".contains(&style) && members.len() != 3) {
             continue;
         }
         let columns: Vec<usize> = members.into_values().collect();
@@ -272,9 +297,9 @@ fn suffixed(name: &str) -> Option<(&str, u8, usize)> {
     if let Some((base, index)) = name.rsplit_once(':') {
         return Some((base, b':', index.parse().ok()?));
     }
-    let (base, axis) = name.rsplit_once('_')?;
+    let (base, axis) = name.rsplit_once(['_', '.'])?;
     let component = ["x", "y", "z"].iter().position(|a| axis.eq_ignore_ascii_case(a))?;
-    (!base.is_empty()).then_some((base, b'_', component))
+    (!base.is_empty()).then_some((base, name.as_bytes()[base.len()], component))
 }
 
 /// Why rows with these columns are no balls, and what to do; `None` where nothing speaks against it.

@@ -8,6 +8,7 @@ use crate::assembly::{Assembly, Row};
 use crate::column_names::Dialect;
 use crate::columns::{Columns, non_spherical};
 use crate::lines::{LineReader, number, shown, skip_blanks, words};
+use crate::units::{self, Unit};
 use crate::{FrameReader, IoError, ParticleOptions, Position};
 
 /// What stands between the fields of a table.
@@ -144,19 +145,8 @@ impl Header {
             }
         }
         let line = lines.line();
-        let separator = Separator::of_names(line);
-        if fields(line, separator).all(|field| number(field).is_none()) {
-            let mut names: Vec<String> = fields(line, separator).map(unquoted).collect();
-            while names.last().is_some_and(String::is_empty) {
-                names.pop();
-            }
-            for (index, name) in names.iter_mut().enumerate() {
-                if name.is_empty() {
-                    *name = format!("column_{}", index + 1);
-                }
-            }
-            let text = String::from_utf8_lossy(line).into_owned();
-            return Ok(Self { names, separator, unnamed: false, text });
+        if let Some(named) = Self::named(line) {
+            return Ok(named);
         }
         let separator = Separator::of_numbers(line);
         let first: Vec<&[u8]> = fields(line, separator).collect();
@@ -181,6 +171,27 @@ impl Header {
         lines.stay();
         let text = names.join(separator.as_str());
         Ok(Self { names, separator, unnamed, text })
+    }
+}
+
+impl Header {
+    /// The names in a line that holds no numbers.
+    fn named(line: &[u8]) -> Option<Self> {
+        let separator = Separator::of_names(line);
+        if !fields(line, separator).all(|field| number(field).is_none()) {
+            return None;
+        }
+        let mut names: Vec<String> = fields(line, separator).map(unquoted).collect();
+        while names.last().is_some_and(String::is_empty) {
+            names.pop();
+        }
+        for (index, name) in names.iter_mut().enumerate() {
+            if name.is_empty() {
+                *name = format!("column_{}", index + 1);
+            }
+        }
+        let text = String::from_utf8_lossy(line).into_owned();
+        Some(Self { names, separator, unnamed: false, text })
     }
 }
 
@@ -326,10 +337,12 @@ impl CsvTable {
 
 /// Reads particles from a table of text: one frame.
 ///
-/// Letter case does not matter. Positions are `x y z`, `px py pz`, `Points:0 …`, `position_x …` or `pos_x …`;
+/// Letter case does not matter. Positions are `x y z`, `px py pz`, `Points:0 …`, `position_x …`, `pos_x …` or `Pos.x …`;
 /// radii are `radius`, `radii`, `r` or `rad`, else half of `diameter`, `d` or `diam`; `id`, and `type` or `matId`. `vx vy
 /// vz` and the like become vectors as in [`crate::DumpReader`], and so do `name:0 name:1 …` and `name_x name_y
-/// name_z`. Without any names, three columns of numbers are positions and a fourth is the radius, with a
+/// name_z` and `name.x name.y name.z`. A unit of SI behind a name is left away (`x [m]`), a multiple of one is refused
+/// (`Diameter [mm]`) or, where the column is a quantity of its own name, stays in it. Lines before the names that make no
+/// coordinates are passed over. Without any names, three columns of numbers are positions and a fourth is the radius, with a
 /// warning. An empty field is NaN where it is neither position, size, id nor type.
 ///
 /// ```
@@ -365,9 +378,36 @@ impl CsvReader {
         Ok(Self { lines: LineReader::open(path)?, options: *options, warnings: Vec::new(), done: false })
     }
 
-    fn read(&mut self) -> Result<Particles, IoError> {
+    /// The line that names the columns, and what they mean.
+    ///
+    /// Programs put lines of other names and numbers before it: the time and the count of particles, say. They are passed
+    /// over where they make no coordinates.
+    fn columns(&mut self) -> Result<(Header, Columns), IoError> {
         let lines = &mut self.lines;
-        let header = Header::read(lines)?;
+        let settle = |header: Header, lines: &LineReader| {
+            let columns = columns_with_units(&header.names).map_err(|(found, remedy)| lines.error(found, remedy))?;
+            Ok((header, columns))
+        };
+        let error = match Header::read(lines).and_then(|header| settle(header, lines)) {
+            Ok(found) => return Ok(found),
+            Err(error) => error,
+        };
+        for _ in 0..PREAMBLE {
+            if !lines.advance()? {
+                break;
+            }
+            let Some(header) = Header::named(lines.line()) else { continue };
+            let bare: Vec<String> = header.names.iter().map(|name| units::split(name).0.to_owned()).collect();
+            if Columns::new(bare, Dialect::Table).is_ok() {
+                return settle(header, lines);
+            }
+        }
+        Err(error)
+    }
+
+    fn read(&mut self) -> Result<Particles, IoError> {
+        let (header, mut columns) = self.columns()?;
+        let lines = &mut self.lines;
         if !self.options.allow_non_spherical
             && let Some((found, remedy)) = non_spherical(&header.names)
         {
@@ -380,8 +420,6 @@ impl CsvReader {
                  id,x,y,z"
             ));
         }
-        let mut columns = Columns::new(header.names, Dialect::Table)
-            .map_err(|missing| lines.error(missing, "name the coordinates x, y and z in the header row"))?;
         let mut assembly = None;
         let mut row = Row::default();
         while lines.advance()? {
@@ -406,6 +444,40 @@ impl CsvReader {
         let assembly = assembly.unwrap_or_else(|| Assembly::new(&columns, 0));
         assembly.finish(&columns).map_err(|source| IoError::Particles { path: lines.path().into(), source })
     }
+}
+
+/// Lines before the one that names the columns.
+const PREAMBLE: usize = 16;
+
+/// What columns mean, with their units taken off; what was found and a remedy where there are no coordinates, or where a
+/// column would be read as a length, mass, … in another unit than the one beside it.
+fn columns_with_units(names: &[String]) -> Result<Columns, (String, String)> {
+    let missing = |missing: String| (missing, "name the coordinates x, y and z in the header row".to_owned());
+    let split: Vec<(&str, Unit)> = names.iter().map(|name| units::split(name)).collect();
+    let bare = split.iter().map(|(bare, _)| (*bare).to_owned()).collect();
+    let columns = Columns::new(bare, Dialect::Table).map_err(missing)?;
+    let mut scaled = split.iter().enumerate().filter_map(|(column, (_, unit))| match unit {
+        Unit::Scaled(unit) => Some((column, *unit)),
+        _ => None,
+    });
+    if let Some((column, unit)) = scaled.clone().find(|&(column, _)| columns.has_meaning(column)) {
+        let found = format!(
+            "column {} '{}' is in {unit}, which is no unit of SI but a multiple of one; numbers are read as they stand",
+            column + 1,
+            names[column]
+        );
+        let remedy = "write the column in SI units, or all of them in units that fit together, which then stay out of the header";
+        return Err((found, remedy.into()));
+    }
+    if scaled.next().is_none() {
+        return Ok(columns);
+    }
+    // A quantity of its own name keeps a unit that is not SI, so that nobody takes it for another.
+    let keep = |(name, (bare, unit)): (&String, (&str, Unit))| match unit {
+        Unit::Scaled(_) => name.clone(),
+        _ => bare.to_owned(),
+    };
+    Columns::new(names.iter().zip(split).map(keep).collect(), Dialect::Table).map_err(missing)
 }
 
 impl FrameReader for CsvReader {

@@ -197,7 +197,8 @@ pub fn write_csv(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), IoError>
 /// Writes particles as a table that [`crate::CsvReader`] reads back to the same bits.
 ///
 /// Columns are `id`, `type` (where known), `x`, `y`, `z`, `radius` (where known) and each quantity: a scalar under
-/// its name, a vector as `name_x name_y name_z`, others as `name:0 name:1 …`. The box, the step and the time have
+/// its name, components that the source numbers as it has them (`c_w[1] c_w[2]`), another vector as `name_x name_y name_z`,
+/// others as `name:0 name:1 …`. The box, the step and the time have
 /// no place in a table and are left out.
 ///
 /// # Errors
@@ -229,6 +230,9 @@ pub fn write_particles_csv_named(
                 names.extend(own.into_iter().flat_map(|(_, list)| *list).map(|part| format!("{name}_{part}")));
             }
             1 => names.push(name.clone()),
+            n if is_numbered(name, n, particles.source_names(name)) => {
+                names.extend_from_slice(particles.source_names(name));
+            }
             3 => names.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}"))),
             n => names.extend((0..n).map(|k| format!("{name}:{k}"))),
         }
@@ -258,4 +262,9 @@ pub fn write_particles_csv_named(
         }
         Ok(())
     })
+}
+
+/// Whether these are `name[1]` to `name[count]`, which read back as the same quantity.
+fn is_numbered(name: &str, count: usize, names: &[String]) -> bool {
+    names.len() == count && (1..).zip(names).all(|(k, own)| *own == format!("{name}[{k}]"))
 }

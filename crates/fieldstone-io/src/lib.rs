@@ -56,6 +56,7 @@ mod stat;
 mod stl;
 mod stl_write;
 mod surface_check;
+mod units;
 pub mod vtk;
 mod xyz;
 

@@ -474,3 +474,70 @@ fn a_diameter_that_is_not_twice_the_radius_beside_it_is_refused_with_line_and_va
     assert_eq!(read("x,y,z,radius,diameter\n0,0,0,1,large\n").0.radii().unwrap(), [1.0]);
     assert_eq!(read("x,y,z,radius,d\n0,0,0,1,7\n").0.radii().unwrap(), [1.0]);
 }
+
+#[test]
+fn units_of_si_behind_names_are_left_away_and_multiples_of_them_are_refused_with_the_column() {
+    let (p, warnings) =
+        read("x [m],y [m],z [m],r [m],Vel.x [m/s],Vel.y [m/s],Vel.z [m/s],T [degC]\n1,2,3,0.5,4,5,6,7\n");
+    assert_eq!((p.positions(), p.radii().unwrap(), warnings.len()), (&[[1.0, 2.0, 3.0]][..], &[0.5][..], 0));
+    assert_eq!(column(&p, "velocity"), (3, vec![4.0, 5.0, 6.0]));
+    assert_eq!(column(&p, "T [degC]"), (1, vec![7.0]));
+    for (header, named) in [
+        ("x,y,z,Diameter [mm]", "column 4 'Diameter [mm]' is in mm, which is no unit of SI"),
+        ("x [cm],y,z,r", "column 1 'x [cm]' is in cm"),
+        ("x,y,z,vx [m/s],vy [m/s],vz [mm/s],r", "column 6 'vz [mm/s]' is in mm/s"),
+        ("x,y,z,Rho [g/cm^3]", "column 4 'Rho [g/cm^3]' is in g/cm^3"),
+    ] {
+        let message = refused(format!("{header}\n1,2,3,4,5,6,7\n"));
+        assert!(message.contains(":1: ") && message.contains(named), "{message}");
+        assert!(message.contains("write the column in SI units"), "{message}");
+    }
+    // A quantity that nothing is computed of by itself keeps its unit for all to see.
+    let (p, _) = read("x,y,z,r,Press [kPa]\n1,2,3,0.5,7\n");
+    assert_eq!((p.len(), column(&p, "Press [kPa]")), (1, (1, vec![7.0])));
+}
+
+#[test]
+fn lines_of_other_names_and_numbers_before_the_one_that_names_the_coordinates_are_passed_over() {
+    let table = "Pos.x [m];Pos.y [m];Pos.z [m];Idp;Vel.x [m/s];Vel.y [m/s];Vel.z [m/s];Rhop [kg/m^3];Type\n\
+                 0.5;0.25;1;17;1;2;3;998;3\n";
+    let before = ["TimeStep [s];Np;Nbound\n0.25;1;0\n", "TimeStep: 0.25\nNp: 1\n", "# Run\nTime\n0.25\n\n", ""];
+    for before in before {
+        let (p, _) = read(format!("{before}{table}"));
+        assert_eq!((p.positions(), p.types().unwrap()), (&[[0.5, 0.25, 1.0]][..], &[3][..]), "{before}");
+        assert_eq!(column(&p, "velocity"), (3, vec![1.0, 2.0, 3.0]));
+        assert_eq!((column(&p, "density"), column(&p, "Idp")), ((1, vec![998.0]), (1, vec![17.0])));
+    }
+    // Where no line names coordinates, the first is the one to be corrected.
+    let message = refused("a;b;c\n1;2;3\nd;e;f\n4;5;6\n");
+    assert!(message.contains(":1: no complete set of coordinates") && message.contains("columns a b c"), "{message}");
+}
+
+#[test]
+fn columns_are_found_by_the_names_that_the_file_has_for_them() {
+    let one = |particles: &Particles, name: &str| particles.column(name).unwrap().data[0];
+    let (p, _) = read("ID,Type,X,Y,Z,Diam,vx,vy,vz,Mass,stress:0,stress:1\n7,2,1,2,3,0.5,4,5,6,9,10,11\n");
+    let found = ["id", "ID", "Type", "type", "Diam", "radius", "vy", "velocity[2]", "Mass", "mass", "stress:1"];
+    let values = [7.0, 7.0, 2.0, 2.0, 0.5, 0.25, 5.0, 5.0, 9.0, 9.0, 11.0];
+    for (name, value) in found.into_iter().zip(values) {
+        assert_eq!(one(&p, name), value, "{name}");
+    }
+    let message = p.column("weight").unwrap_err().to_string();
+    let listed = "velocity (vx, vy, vz), mass (Mass), stress (stress:0, stress:1), id (ID), type (Type), radius, diameter (Diam)";
+    assert!(message.ends_with(listed), "{message}");
+}
+
+#[test]
+fn components_that_the_file_numbers_are_written_with_its_numbers() {
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+                ITEM: ATOMS x y z vx vy vz c_w[1] c_w[2] f_a[1] f_a[2] f_a[3]\n.5 .5 .5 1 2 3 4 5 6 7 8\n";
+    let (p, _) = read(dump);
+    assert_eq!([p.column("c_w[1]").unwrap().data[0], p.column("f_a[3]").unwrap().data[0]], [4.0, 8.0]);
+    let out = file("");
+    write_particles_csv(&out.path, &p).unwrap();
+    let text = std::fs::read_to_string(&out.path).unwrap();
+    let header = "x,y,z,velocity_x,velocity_y,velocity_z,c_w[1],c_w[2],f_a[1],f_a[2],f_a[3]";
+    assert_eq!(text.lines().next(), Some(header));
+    let (back, _) = read(text);
+    assert_eq!(back.quantities(), p.quantities());
+}

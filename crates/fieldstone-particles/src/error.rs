@@ -48,6 +48,14 @@ pub enum ParticlesError {
         /// Names that exist, separated by commas.
         available: String,
     },
+    /// A name that is spelt like no column, and like several in other letter case.
+    #[error("'{name}' may be any of the columns {candidates}; write the one that is meant as it stands there")]
+    AmbiguousColumn {
+        /// Name asked for.
+        name: String,
+        /// Names that differ from it in letter case only, separated by commas.
+        candidates: String,
+    },
     /// A box has no extent in some direction.
     #[error("the box runs from {low} to {high} along {axis}; the upper bound must be above the lower one")]
     EmptyBox {

@@ -8,6 +8,7 @@
 //!
 //! Units are the user's: nothing in this crate assumes SI, and nothing mixes two lengths of different units.
 
+mod columns;
 mod contacts;
 mod domain;
 mod error;

@@ -1,3 +1,4 @@
+use crate::columns::SourceNames;
 use crate::{Domain, ParticlesError};
 
 /// A named column of numbers, one row per particle.
@@ -23,16 +24,26 @@ pub struct Quantity {
 ///
 /// Built by [`Particles::new`], which refuses positions that are not finite; every column added later is
 /// checked for its length.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Particles {
     positions: Vec<[f64; 3]>,
     radii: Option<Vec<f64>>,
     ids: Option<Vec<i64>>,
     types: Option<Vec<i64>>,
-    quantities: Vec<Quantity>,
+    pub(crate) quantities: Vec<Quantity>,
     domain: Option<Domain>,
     step: Option<i64>,
     time: Option<f64>,
+    pub(crate) source_names: Vec<SourceNames>,
+}
+
+/// Sets are equal where everything is but the names that their sources have for columns.
+impl PartialEq for Particles {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { positions, radii, ids, types, quantities, domain, step, time, source_names: _ } = self;
+        (positions, radii, ids, types) == (&other.positions, &other.radii, &other.ids, &other.types)
+            && (quantities, domain, step, time) == (&other.quantities, &other.domain, &other.step, &other.time)
+    }
 }
 
 impl Particles {
@@ -74,6 +85,8 @@ impl Particles {
             }
         }
         self.radii = Some(radii);
+        self.forget_source_names("radius");
+        self.forget_source_names("diameter");
         Ok(self)
     }
 
@@ -93,6 +106,7 @@ impl Particles {
     pub fn with_ids(mut self, ids: Vec<i64>) -> Result<Self, ParticlesError> {
         self.check_length("id", ids.len(), 1)?;
         self.ids = Some(ids);
+        self.forget_source_names("id");
         Ok(self)
     }
 
@@ -103,6 +117,7 @@ impl Particles {
     pub fn with_types(mut self, types: Vec<i64>) -> Result<Self, ParticlesError> {
         self.check_length("type", types.len(), 1)?;
         self.types = Some(types);
+        self.forget_source_names("type");
         Ok(self)
     }
 
@@ -113,6 +128,7 @@ impl Particles {
     pub fn with_quantity(mut self, quantity: Quantity) -> Result<Self, ParticlesError> {
         self.check_length(&quantity.name, quantity.data.len(), quantity.components)?;
         self.quantities.retain(|q| q.name != quantity.name);
+        self.forget_source_names(&quantity.name);
         self.quantities.push(quantity);
         Ok(self)
     }
@@ -177,15 +193,13 @@ impl Particles {
         &self.quantities
     }
 
-    /// The column called `name`.
+    /// The quantity called `name`, exactly; what a user writes goes through [`Particles::column`].
     ///
     /// # Errors
     /// [`ParticlesError::NoColumn`] lists the names that exist.
     pub fn quantity(&self, name: &str) -> Result<&Quantity, ParticlesError> {
-        self.quantities.iter().find(|q| q.name == name).ok_or_else(|| ParticlesError::NoColumn {
-            name: name.into(),
-            available: self.quantities.iter().map(|q| q.name.as_str()).collect::<Vec<_>>().join(", "),
-        })
+        let missing = || ParticlesError::NoColumn { name: name.into(), available: self.column_names() };
+        self.quantity_named(name).ok_or_else(missing)
     }
 
     /// The box, where the source states one.

@@ -6,7 +6,7 @@ mod support;
 
 use std::f64::consts::PI;
 
-use fieldstone::io::{CsvTable, ParticleOptions, read_frame, read_stat, vtk, write_particles_csv};
+use fieldstone::io::{CsvTable, ParticleOptions, Values, read_frame, read_stat, vtk, write_particles_csv};
 use support::Folder;
 use support::cases::{GRAINS, MERCURY, apart, column, grains, json, mentions, mercury, numbers, size};
 
@@ -151,9 +151,15 @@ fn settings_in_toml_do_the_same_and_the_result_repeats_them() {
     folder.succeeds("fields again.toml --out again.csv");
     let rows = |text: &str| text.lines().filter(|l| !l.starts_with('#')).map(String::from).collect::<Vec<_>>();
     assert_eq!(rows(&std::fs::read_to_string(folder.path("again.csv")).unwrap()), rows(&text));
-    // In a .vti they are field data, which our reader passes over.
+    // In a .vti they are field data, the codes of their bytes, and can be run again.
     folder.succeeds("fields run.toml --out a.vti");
-    assert_eq!(vtk::read_vtk(&folder.path("a.vti")).unwrap().skipped, ["fieldstone"]);
+    let image = vtk::read_vtk(&folder.path("a.vti")).unwrap();
+    let Values::U8(bytes) = &image.array("fieldstone").unwrap().values else { panic!("the settings are no bytes") };
+    folder.write("bytes.toml", std::str::from_utf8(bytes).unwrap());
+    folder.succeeds("fields bytes.toml --out b.vti");
+    let data = |name: &str| vtk::read_vtk(&folder.path(name)).unwrap().cell_data;
+    assert_eq!(data("a.vti"), data("b.vti"));
+    assert!(image.skipped.is_empty() && !folder.succeeds("info a.vti").stdout.contains("fieldstone "));
 
     // One number stands for a list of one, as on the command line.
     let single = "particles = \"box.data\"\ncells = 2\nspecies = 0\nframes = 1\ndensity = 2\nfields = \"density\"\n";
@@ -609,14 +615,14 @@ fn texts_in_vtk_files_are_ascii_whatever_the_formulas_and_names_of_files() {
     folder.succeeds(&format!("{line} --fields all --encoding text --face-fields faces.vtp --out o.vti"));
     for file in ["o.vti", "faces.vtp"] {
         let text = std::fs::read_to_string(folder.path(file)).unwrap();
-        let codes = text.split("type=\"String\"").nth(1).unwrap();
+        let codes = text.split("Name=\"fieldstone\"").nth(1).unwrap();
         let codes = codes.split_once('>').unwrap().1.split('<').next().unwrap();
         let bytes: Vec<u8> = codes.split_ascii_whitespace().map(|code| code.parse().unwrap()).collect();
         assert!(bytes.is_ascii(), "{file}");
         let echo = String::from_utf8(bytes).unwrap();
         mentions(&echo, &["gr\\u00f6\\u00dfe.data", "# density: rho = sum m phi, in mass/length^3"]);
         // Still settings that can be run.
-        folder.write("echo.toml", echo.trim_end_matches('\0'));
+        folder.write("echo.toml", echo);
         folder.succeeds("fields echo.toml --out again.vti");
     }
 }

@@ -1,17 +1,18 @@
 //! One frame made ready: masses, velocities and what else the fields need, or why there are none.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
-use fieldstone_particles::{Contact, Contacts, Particles, Partner};
+use fieldstone_particles::{Contact, Contacts, Particles, Partner, Quantity};
 use rayon::prelude::*;
 
 use super::layout::{Column, Layout};
-use super::options::{CoarseGrainingOptions, QuantityKind, Selection, component_of};
+use super::options::{CoarseGrainingOptions, QuantityKind, Selection};
 use crate::FieldsError;
 use crate::checks::{check_finite, check_partners, check_radii, column};
 
-/// Columns of which each has one number per particle, this far apart.
-type Strided<'a> = Vec<(&'a [f64], usize)>;
+/// Columns of one number per particle each.
+type Scalars<'a> = Vec<Cow<'a, Quantity>>;
 
 /// Columns of a particle set that fields are made of.
 pub(super) struct Frame<'a> {
@@ -22,8 +23,9 @@ pub(super) struct Frame<'a> {
     pub velocities: Option<&'a [f64]>,
     pub spins: Option<&'a [f64]>,
     pub displacements: Option<&'a [f64]>,
-    /// Columns of each of the user's quantities: from their component on, and how far apart particles are.
-    pub user: Vec<(QuantityKind, Strided<'a>)>,
+    /// Columns of each of the user's quantities.
+    pub user: Vec<(QuantityKind, Scalars<'a>)>,
+    parcels: Option<Vec<f64>>,
     pub selected: Vec<bool>,
 }
 
@@ -50,26 +52,15 @@ impl<'a> Frame<'a> {
         let user = (options.quantities.iter())
             .map(|quantity| {
                 let one = |column: &String| {
-                    let whole = particles.quantity(column);
-                    let (name, component) = match (&whole, component_of(column)) {
-                        (Err(_), Some((name, component))) => (name, Some(component)),
-                        _ => (column.as_str(), None),
-                    };
-                    let found = particles.quantity(name)?;
-                    check_finite(name, &found.data, found.components)?;
-                    match component {
-                        Some(k) if k < found.components => {
-                            Ok((found.data.get(k..).unwrap_or_default(), found.components))
-                        }
-                        None if found.components == 1 => Ok((&found.data[..], 1)),
-                        _ => Err(FieldsError::Components {
-                            name: column.clone(),
-                            found: found.components,
-                            expected: component.map_or(1, |k| k + 1),
-                        }),
+                    let found = particles.column(column)?;
+                    if found.components != 1 {
+                        let (name, found) = (column.clone(), found.components);
+                        return Err(FieldsError::Components { name, found, expected: 1 });
                     }
+                    check_finite(column, &found.data, 1)?;
+                    Ok(found)
                 };
-                Ok((quantity.kind, quantity.columns.iter().map(one).collect::<Result<Strided<'a>, FieldsError>>()?))
+                Ok((quantity.kind, quantity.columns.iter().map(one).collect::<Result<Scalars<'a>, FieldsError>>()?))
             })
             .collect::<Result<Vec<_>, FieldsError>>()?;
         Ok(Self {
@@ -81,12 +72,18 @@ impl<'a> Frame<'a> {
             spins: vector("angular_velocity", layout.any(&spins))?,
             displacements: vector("displacement", layout.any(&travels))?,
             user,
+            parcels: options.parcel_weight.as_ref().map(|weight| weight.of(particles)).transpose()?,
             selected: select(particles, radii, &options.selection)?,
         })
     }
 
     pub fn len(&self) -> usize {
         self.positions.len()
+    }
+
+    /// How many particles this one stands for.
+    pub fn parcel(&self, particle: usize) -> f64 {
+        self.parcels.as_ref().map_or(1.0, |weights| weights[particle])
     }
 
     pub fn velocity(&self, particle: usize) -> [f64; 3] {

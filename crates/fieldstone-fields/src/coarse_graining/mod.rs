@@ -137,7 +137,8 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
     /// Adds a frame: its particles, its contacts where fields need them, and its weight in time.
     ///
     /// # Errors
-    /// Columns that are missing or not finite; contacts missing where a field needs them; a weight that is negative or
+    /// Columns that are missing or not finite; contacts missing where a field needs them, and contacts of particles with
+    /// parcel weights; a weight that is negative or
     /// not finite; particles, branches or a kernel that reach so far that more than 10⁵ copies of the periodic box would
     /// have to be gone through.
     pub fn accumulate(
@@ -151,6 +152,11 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
                 name: "the weight of a frame",
                 value: weight,
                 allowed: "0 or more, and finite",
+            });
+        }
+        if contacts.is_some() && self.options.parcel_weight.is_some() {
+            return Err(FieldsError::Combination {
+                what: "how many contacts one between parcels stands for is not known: leave out the contacts, or the parcel weights",
             });
         }
         let frame = Frame::new(particles, &self.options, &self.layout)?;
@@ -210,7 +216,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
 
     fn account(&mut self, frame: &Frame<'_>, sides: &[Contact], weight: f64) {
         for particle in (0..frame.len()).filter(|&i| frame.selected[i]) {
-            let mass = weight * frame.masses[particle];
+            let mass = weight * frame.parcel(particle) * frame.masses[particle];
             self.totals.mass.add(mass);
             let v = frame.velocity(particle);
             (0..3).for_each(|k| self.totals.momentum[k].add(mass * v[k]));
@@ -297,7 +303,7 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             let outside = 1.0 - f64::from_bits(placed.load(Ordering::Relaxed));
             // What rounding leaves of a ball that is all inside is nothing.
             let outside = if outside.abs() < 1e-13 { 0.0 } else { outside };
-            self.totals.clipped.add(weight * frame.masses[particle] * outside);
+            self.totals.clipped.add(weight * frame.parcel(particle) * frame.masses[particle] * outside);
         }
         Ok(())
     }
@@ -361,9 +367,10 @@ impl<'a, C: Cells> CoarseGraining<'a, C> {
             (0..self.cells.cell_count()).into_par_iter().map(|cell| parts_of(self.cells, cell)).collect();
         let mut quantities = Vec::with_capacity(9 * frame.len());
         for particle in 0..frame.len() {
+            let mass = weight * frame.parcel(particle) * frame.masses[particle];
             for k in 0..3 {
                 let axis = std::array::from_fn(|a| f64::from(u8::from(a == k)));
-                quantities.extend(cross(frame.spin(particle), axis).map(|v| weight * frame.masses[particle] * v));
+                quantities.extend(cross(frame.spin(particle), axis).map(|v| mass * v));
             }
         }
         let Function::Overlap(method) = self.options.function else { return Ok(()) };

@@ -3,7 +3,7 @@
 use fieldstone_particles::{Domain, Particles};
 
 use super::names::FieldName;
-use crate::{FieldsError, Kernel, Method};
+use crate::{FieldsError, Kernel, Method, ParcelWeight};
 
 /// How cells see particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +107,8 @@ pub enum QuantityKind {
 pub struct UserQuantity {
     /// Name of the field.
     pub name: String,
-    /// Columns, side by side: `name` of a scalar, or `name[k]` for component k of a vector, from 0.
+    /// Columns of one number per particle, side by side, by any name that [`Particles::column`] takes: `name` of a scalar, or
+    /// `name[k]` for component k of a vector, from 1 as in dumps.
     pub columns: Vec<String>,
     /// What becomes of them.
     pub kind: QuantityKind,
@@ -117,7 +118,7 @@ impl UserQuantity {
     /// A quantity of whole columns: vectors and tensors become one entry per component.
     ///
     /// # Errors
-    /// A column that the particles do not have.
+    /// A column that the particles do not have; a component in brackets of an empty set is left to the frames after it.
     ///
     /// ```
     /// use fieldstone_fields::{QuantityKind, UserQuantity};
@@ -125,7 +126,7 @@ impl UserQuantity {
     /// let one = Particles::new(vec![[0.0; 3]])?
     ///     .with_quantity(Quantity { name: "force".into(), components: 3, data: vec![0.0; 3] })?;
     /// let quantity = UserQuantity::of_columns("force", &["force"], QuantityKind::Sum, &one)?;
-    /// assert_eq!(quantity.columns, ["force[0]", "force[1]", "force[2]"]);
+    /// assert_eq!(quantity.columns, ["force[1]", "force[2]", "force[3]"]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of_columns(
@@ -136,24 +137,18 @@ impl UserQuantity {
     ) -> Result<Self, FieldsError> {
         let mut all = Vec::new();
         for &column in columns {
-            match particles.quantity(column) {
+            match particles.column(column) {
                 Ok(found) if found.components > 1 => {
-                    all.extend((0..found.components).map(|k| format!("{column}[{k}]")));
+                    all.extend((1..=found.components).map(|k| format!("{}[{k}]", found.name)));
                 }
-                // One with a component in brackets is looked up with the frame.
                 Ok(_) => all.push(column.into()),
-                Err(_) if component_of(column).is_some() => all.push(column.into()),
+                // Not every format has columns where there is no row.
+                Err(_) if particles.is_empty() && column.ends_with(']') => all.push(column.into()),
                 Err(reason) => return Err(reason.into()),
             }
         }
         Ok(Self { name: name.into(), columns: all, kind })
     }
-}
-
-/// Name and component of `name[k]`.
-pub(super) fn component_of(column: &str) -> Option<(&str, usize)> {
-    let (name, rest) = column.rsplit_once('[')?;
-    Some((name, rest.strip_suffix(']')?.parse().ok()?))
 }
 
 /// Options of [`super::CoarseGraining`]; the default is the 29 standard fields by exact overlap.
@@ -181,6 +176,9 @@ pub struct CoarseGrainingOptions {
     pub domain: Option<Domain>,
     /// Density of all particles, in place of their own columns `mass` and `density`.
     pub particle_density: Option<f64>,
+    /// How many particles each one stands for: every sum over particles, and the ledger, count it as so many, with the
+    /// same radius, mass and velocity each. Without contacts only: what one between parcels stands for is not known.
+    pub parcel_weight: Option<ParcelWeight>,
 }
 
 impl Default for CoarseGrainingOptions {
@@ -197,6 +195,7 @@ impl Default for CoarseGrainingOptions {
             selection: Selection::default(),
             domain: None,
             particle_density: None,
+            parcel_weight: None,
         }
     }
 }

@@ -93,10 +93,11 @@ pub(super) fn particle_quantities(
                 QuantityKind::MassMean => m,
                 QuantityKind::VolumeMean => frame.volumes[particle],
             };
-            for (k, &(data, stride)) in columns.iter().enumerate() {
-                row[start + k] = by * data[particle * stride];
+            for (k, column) in columns.iter().enumerate() {
+                row[start + k] = by * column.data[particle];
             }
         }
+        let factor = factor * frame.parcel(particle);
         row.iter_mut().for_each(|x| *x *= factor);
     });
     values

@@ -103,6 +103,6 @@ pub fn displacements(before: &Particles, after: &Particles) -> Result<Particles,
     if let Some(domain) = before.domain() {
         result = result.with_domain(*domain);
     }
-    result = result.at(before.step(), before.time());
+    result = result.at(before.step(), before.time()).with_source_names_of(before);
     Ok(result.with_quantity(Quantity { name: "displacement".into(), components: 3, data: moved })?)
 }

@@ -56,7 +56,10 @@ pub fn read_cloud(path: &Path) -> Result<Particles, IoError> {
     }
     if let Some(path) = existing(folder, "d") {
         let diameters: Vec<f64> = read_column::<f64>(&path, count)?;
-        particles = particles.with_radii(diameters.iter().map(|d| d / 2.0).collect()).map_err(wrap(&path))?;
+        particles = particles
+            .with_radii(diameters.iter().map(|d| d / 2.0).collect())
+            .map_err(wrap(&path))?
+            .with_source_names("diameter", &["d"]);
     }
     for (name, standard, components) in [("U", "velocity", 3), ("rho", "density", 1), ("nParticle", "nParticle", 1)] {
         let Some(path) = existing(folder, name) else { continue };
@@ -64,8 +67,10 @@ pub fn read_cloud(path: &Path) -> Result<Particles, IoError> {
             3 => read_column::<[f64; 3]>(&path, count)?.into_flattened(),
             _ => read_column::<f64>(&path, count)?,
         };
-        particles =
-            particles.with_quantity(Quantity { name: standard.into(), components, data }).map_err(wrap(&path))?;
+        particles = particles
+            .with_quantity(Quantity { name: standard.into(), components, data })
+            .map_err(wrap(&path))?
+            .with_source_names(standard, &[name]);
     }
     let time_folder = folder.canonicalize().ok().and_then(|p| Some(p.parent()?.parent()?.to_path_buf()));
     Ok(particles.at(None, time_folder.and_then(|p| time_of(&p))))

@@ -18,11 +18,13 @@ use crate::{DataArray, IoError, Position};
 /// | `radius`, `radii`, `r`, `rad` | radii |
 /// | `diameter`, `d`, `diam` | radii, halved, where there is no radius |
 /// | `id`; `type`, `matId` | ids, types, where they are whole numbers |
-/// | `v`, `velocity`, `U` | `velocity` |
+/// | `v`, `velocity`, `U`, `Vel` | `velocity` |
 /// | `f`, `force` | `force` |
 /// | `omega` | `angular_velocity` |
-/// | `mass`; `rho`, `density` | `mass`; `density` |
+/// | `mass`; `rho`, `Rhop`, `density` | `mass`; `density` |
 /// | any other | a quantity of its own name |
+///
+/// What is renamed is found by the file's name, too ([`Particles::column`]).
 ///
 /// Letter case does not matter, but for `U`; the names are those of tables ([`crate::CsvReader`]).
 ///
@@ -112,15 +114,17 @@ impl VtkData {
         if let Some(SizeColumn { column, factor, .. }) = size {
             let sizes = kept(&self.point_data[column]);
             particles = particles.with_radii(sizes.into_iter().map(|size| factor * size).collect())?;
+            let of = if factor == 1.0 { "radius" } else { "diameter" };
+            particles = particles.with_source_names(of, &[&self.point_data[column].name]);
             scalars.take([column]);
         }
         let mut used: Vec<usize> = size.map(|size| size.column).into_iter().collect();
         if let Some((column, ids)) = scalars.id().and_then(|c| Some((c, kept_whole(&self.point_data[c])?))) {
-            particles = particles.with_ids(ids)?;
+            particles = particles.with_ids(ids)?.with_source_names("id", &[&self.point_data[column].name]);
             used.push(column);
         }
         if let Some((column, types)) = scalars.kind().and_then(|c| Some((c, kept_whole(&self.point_data[c])?))) {
-            particles = particles.with_types(types)?;
+            particles = particles.with_types(types)?.with_source_names("type", &[&self.point_data[column].name]);
             used.push(column);
         }
         let mut renamed = scalars.renamed_scalars();
@@ -131,7 +135,8 @@ impl VtkData {
             }
             let standard = renamed.iter().find(|&&(of, _)| of == column).map(|&(_, standard)| standard);
             let name = standard.unwrap_or(&array.name).to_owned();
-            particles = particles.with_quantity(Quantity { name, components: array.components, data: kept(array) })?;
+            let quantity = Quantity { name: name.clone(), components: array.components, data: kept(array) };
+            particles = particles.with_quantity(quantity)?.with_source_names(&name, &[&array.name]);
         }
         Ok(particles)
     }

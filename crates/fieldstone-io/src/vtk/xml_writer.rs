@@ -27,7 +27,8 @@ pub struct VtkArrays<'a> {
     pub time: Option<f64>,
     /// Texts by name, written as field data: how the data were made, say.
     ///
-    /// VTK reads ASCII only, so other characters are written as TOML and JSON escape them: `\u03c1`.
+    /// They are arrays of bytes, which every reader of VTK's files has numbers for; meshio refuses files with strings. The
+    /// bytes are ASCII: other characters are written as TOML and JSON escape them, `\u03c1`.
     pub texts: &'a [(&'a str, &'a str)],
     /// Names of the components of columns, by the column's name; columns that are not listed have none.
     ///
@@ -76,7 +77,7 @@ impl<'a> XmlFile<'a> {
                 file.numbers("TimeValue", " NumberOfTuples=\"1\"", 1, Column::F64(&[time]), |_| None)?;
             }
             for (name, content) in arrays.texts {
-                file.string(name, content);
+                file.text(name, content);
             }
             file.close("FieldData");
         }
@@ -91,14 +92,18 @@ impl<'a> XmlFile<'a> {
         let _ = writeln!(self.text, "</{name}>");
     }
 
-    /// Adds a text: VTK wants the codes of its bytes, ASCII all of them, and a zero after them.
-    fn string(&mut self, name: &str, content: &str) {
-        let name = escape(name);
-        let _ = writeln!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">");
-        for (k, byte) in ascii(content).bytes().chain([0]).enumerate() {
+    /// Adds a text as the codes of its bytes.
+    fn text(&mut self, name: &str, content: &str) {
+        let (name, content) = (escape(name), ascii(content));
+        let count = content.len();
+        let _ = writeln!(
+            self.text,
+            "<DataArray type=\"UInt8\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\">"
+        );
+        for (k, byte) in content.bytes().enumerate() {
             let _ = write!(self.text, "{}{byte}", if k % 32 == 0 && k > 0 { "\n" } else { " " });
         }
-        self.text.push_str("\n</Array>\n");
+        self.text.push_str("\n</DataArray>\n");
     }
 
     /// Adds an array.

@@ -193,6 +193,20 @@ impl ParticleArguments {
     }
 }
 
+/// What to say of particles that are parcels by OpenFOAM's column, where nobody asks for their weights.
+pub(crate) fn unused_parcels(particles: &Particles) -> Option<String> {
+    const COLUMN: &str = "nParticle";
+    let weights = particles.column(COLUMN).ok().filter(|column| column.components == 1)?;
+    let most = weights.data.iter().copied().fold(0.0, f64::max);
+    weights.data.iter().any(|weight| *weight != 1.0).then(|| {
+        format!(
+            "the column '{COLUMN}' says that parcels stand for up to {} particles each, and goes unused: each counts as one \
+             particle; give --parcel-weight {COLUMN}",
+            report::number(most)
+        )
+    })
+}
+
 /// Which periodic directions to honour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Periodic {

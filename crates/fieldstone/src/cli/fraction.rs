@@ -1,14 +1,14 @@
 //! `fieldstone fraction`: the solid fraction of every cell.
 
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use fieldstone::fields::{
-    FieldsError, Method, SolidFraction, SolidFractionOptions, count_centres, smoothed_through, solid_fraction_observed,
+    FieldsError, Method, ParcelWeight, SolidFraction, SolidFractionOptions, count_centres, smoothed_through,
+    solid_fraction_observed,
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
@@ -19,7 +19,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::arguments::{
-    CellSet, CellsArguments, ParticleArguments, Periodic, bounds, ending, fraction, not_negative, positive,
+    CellSet, CellsArguments, ParticleArguments, Periodic, bounds, ending, fraction, not_negative, unused_parcels,
 };
 use super::publish::Published;
 use super::timing::Timing;
@@ -63,7 +63,7 @@ pub(crate) struct Fraction {
     /// 64-bit floats.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Real particles per simulated one: a number, or the name of a column
+    /// Real particles per simulated one: a number, or the name of a column, such as OpenFOAM's nParticle
     #[arg(long, value_name = "COLUMN|W", allow_negative_numbers = true)]
     parcel_weight: Option<ParcelWeight>,
     /// Smooth conservatively over this length (standard deviation of the Gaussian, in the input's unit); the unsmoothed
@@ -255,50 +255,23 @@ impl Fraction {
     }
 
     fn parcel_weights(&self, particles: &Particles) -> anyhow::Result<Option<Vec<f64>>> {
-        let name = match &self.parcel_weight {
-            None => return Ok(None),
-            Some(ParcelWeight::Number(weight)) => return Ok(Some(vec![*weight; particles.len()])),
-            Some(ParcelWeight::Column(name)) => name,
-        };
         let file = self.particles.particles.display();
-        let column = particles.quantity(name).map_err(|e| anyhow!("--parcel-weight {name}: {file}: {e}"))?;
-        if column.components != 1 {
-            let found = column.components;
-            bail!("--parcel-weight {name}: {file}: the column has {found} numbers per particle; one is needed");
+        let Some(weight) = &self.parcel_weight else {
+            if let Some(warning) = unused_parcels(particles) {
+                report::warn(&format!("{file}: {warning}"));
+            }
+            return Ok(None);
+        };
+        match weight.of(particles) {
+            Ok(weights) => Ok(Some(weights)),
+            Err(error @ FieldsError::ParcelWeight { .. }) => Err(error.into()),
+            Err(error) => bail!("--parcel-weight {weight}: {file}: {error}"),
         }
-        Ok(Some(column.data.clone()))
     }
 }
 
 /// Solid fractions above this do not come from spheres that are pressed into each other.
 const MOST_BY_OVERLAP: f64 = 2.0;
-
-/// How many real particles each one stands for.
-#[derive(Debug, Clone, PartialEq)]
-enum ParcelWeight {
-    Number(f64),
-    Column(String),
-}
-
-impl fmt::Display for ParcelWeight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(weight) => weight.fmt(f),
-            Self::Column(name) => name.fmt(f),
-        }
-    }
-}
-
-impl FromStr for ParcelWeight {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse::<f64>() {
-            Ok(_) => Ok(Self::Number(positive(text)?)),
-            Err(_) => Ok(Self::Column(text.into())),
-        }
-    }
-}
 
 /// The task itself, with progress on standard error where that is a terminal.
 pub(crate) fn compute<C: Cells>(

@@ -1,5 +1,6 @@
 //! `fieldstone grid`: particle quantities on a regular grid.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -146,8 +147,8 @@ impl GridFields {
             sph_checks::finite("--fields", column, fluid, &file.to_string())?;
         }
         for name in &self.conserve {
-            let column = frame.particles.quantity(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
-            sph_checks::finite("--conserve", column, fluid, &file.to_string())?;
+            let column = frame.particles.column(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
+            sph_checks::finite("--conserve", &column, fluid, &file.to_string())?;
         }
         let numbers = quantities.iter().map(|q| q.components).sum();
         let nodes = match self.slice {
@@ -196,10 +197,10 @@ impl GridFields {
         format!("{place} holds no fluid, so all its values are 0: {remedy}{more}")
     }
 
-    fn quantities<'a>(&self, particles: &'a Particles) -> anyhow::Result<Vec<&'a Quantity>> {
+    fn quantities<'a>(&self, particles: &'a Particles) -> anyhow::Result<Vec<Cow<'a, Quantity>>> {
         match &self.fields {
-            None => Ok(particles.quantities().iter().collect()),
-            Some(names) => names.iter().map(|name| Ok(particles.quantity(name)?)).collect(),
+            None => Ok(particles.quantities().iter().map(Cow::Borrowed).collect()),
+            Some(names) => names.iter().map(|name| Ok(particles.column(name)?)).collect(),
         }
     }
 
@@ -236,13 +237,13 @@ impl GridFields {
         let fraction = share.iter().enumerate().map(|(cell, v)| v / grid.cell_volume(cell)).collect();
         cell_data.push(DataArray::scalar("volume_fraction", fraction));
         for name in &self.conserve {
-            let column = frame.particles.quantity(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
+            let column = frame.particles.column(name).map_err(|e| anyhow!("--conserve {name}: {file}: {e}"))?;
             let mut sums = vec![0.0; column.components * share.len()];
             for component in 0..column.components {
                 let amount = |n: usize| column.data[fluid[n] * column.components + component];
                 let densities: Vec<f64> = (0..fluid.len()).map(|n| amount(n) / ball_volumes[n]).collect();
                 let cells = weights.sum_over_particles(&densities)?;
-                let suffix = if column.components == 1 { String::new() } else { format!(" [{component}]") };
+                let suffix = if column.components == 1 { String::new() } else { format!("[{}]", component + 1) };
                 totals.push(Total {
                     name: format!("{name}{suffix}"),
                     particles: (0..fluid.len()).map(amount).sum(),
@@ -262,7 +263,7 @@ impl GridFields {
 fn spread(
     nodes: &Nodes,
     inside: &[usize],
-    quantities: &[&Quantity],
+    quantities: &[Cow<'_, Quantity>],
     found: &Interpolated,
 ) -> (Vec<DataArray>, [usize; 3]) {
     let mut support = vec![Support::None as u8; nodes.len()];

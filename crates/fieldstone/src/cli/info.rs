@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fieldstone::geometry::ElementKind;
-use fieldstone::io::vtk::{self, VtkData, VtkImage, VtkLocation};
+use fieldstone::io::vtk::{self, VtkData, VtkImage, VtkLocation, VtkSummary};
 use fieldstone::io::{CsvTable, FileKind, ParticleOptions, StatFile, file_kind, open_particles, read_mesh, read_stat};
 use fieldstone::mesh::{Cells, Mesh};
 use fieldstone::particles::Particles;
@@ -198,7 +198,9 @@ impl Lines {
 
     /// Results that a file has on its points and cells.
     fn columns(&mut self, data: &VtkData) {
-        for column in data.summaries() {
+        // The settings of `fields` are a text as the codes of its bytes, and their range says nothing.
+        let settings = |column: &VtkSummary| column.location == VtkLocation::Field && column.name == "fieldstone";
+        for column in data.summaries().into_iter().filter(|column| !settings(column)) {
             let place = match column.location {
                 VtkLocation::Point => "point column",
                 VtkLocation::Cell => "cell column",

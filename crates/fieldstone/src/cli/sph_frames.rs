@@ -283,21 +283,15 @@ impl SphArguments {
         }
         let mut fluid = vec![true; particles.len()];
         for Boundary { field, value } in &self.boundary {
-            let own;
-            let column: &[f64] = match (field.as_str(), particles.types()) {
-                ("type", Some(types)) => {
-                    own = types.iter().map(|&t| t as f64).collect::<Vec<_>>();
-                    &own
-                }
-                _ => {
-                    let column = particles.quantity(field).map_err(|e| anyhow!("--boundary {field}: {e}"))?;
-                    if column.components != 1 {
-                        bail!("--boundary {field}: the column has {} numbers per particle", column.components);
-                    }
-                    &column.data
-                }
-            };
-            for (fluid, found) in fluid.iter_mut().zip(column) {
+            let column = particles.column(field).map_err(|e| anyhow!("--boundary {field}: {e}"))?;
+            if column.components != 1 {
+                bail!(
+                    "--boundary {field}: the column has {0} numbers per particle; name one of them, {1}[1] to {1}[{0}]",
+                    column.components,
+                    column.name
+                );
+            }
+            for (fluid, found) in fluid.iter_mut().zip(&column.data) {
                 *fluid &= found != value;
             }
         }

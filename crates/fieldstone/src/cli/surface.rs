@@ -116,8 +116,8 @@ impl Surface {
         let particles = &frame.particles;
         let mut quantities = Vec::new();
         for name in &self.fields {
-            let column = particles.quantity(name).map_err(|e| anyhow!("--fields {name}: {file}: {e}"))?;
-            sph_checks::finite("--fields", column, surroundings.candidates.as_deref(), &file)?;
+            let column = particles.column(name).map_err(|e| anyhow!("--fields {name}: {file}: {e}"))?;
+            sph_checks::finite("--fields", &column, surroundings.candidates.as_deref(), &file)?;
             quantities.push(column);
         }
         let nodes = nodes(frame, &surroundings, self.cell, 0)?;

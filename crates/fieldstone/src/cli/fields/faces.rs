@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::bail;
-use fieldstone::fields::{FieldsError, contact_traction, solid_flux};
+use fieldstone::fields::{FieldsError, ParcelWeight, contact_traction, solid_flux};
 use fieldstone::io::DataArray;
 use fieldstone::io::vtk::{VtkArrays, VtkEncoding, write_vtp_polygons};
 use fieldstone::mesh::{Faces, Grid};
-use fieldstone::particles::{Contacts, Domain, Particles};
+use fieldstone::particles::Domain;
 
 use super::cells::CellSet;
+use super::frames::Frame;
 
 /// What crosses the faces in one frame.
 #[derive(Debug, Default)]
@@ -24,13 +25,27 @@ impl FaceSums {
     /// Looks at the balance of momentum, and keeps what crosses each face where it is wanted.
     pub fn new<C: Faces>(
         cells: &C,
-        particles: &Particles,
-        contacts: Option<&Contacts>,
+        frame: &Frame,
+        parcels: Option<&ParcelWeight>,
         domain: Option<&Domain>,
         keep: bool,
     ) -> Result<Self, FieldsError> {
+        let (particles, contacts) = (&frame.particles, frame.contacts.as_ref());
         let traction = contacts.map(|contacts| contact_traction(cells, particles, contacts, domain)).transpose()?;
         let flows = keep && particles.quantity("velocity").is_ok();
+        let weighted;
+        let particles = match parcels.filter(|_| flows) {
+            // The flux is linear in the velocities: so many particles carry as much as one that moves so much faster.
+            Some(weight) => {
+                let weights = weight.of(particles)?;
+                let mut velocity = particles.quantity("velocity")?.clone();
+                let rows = velocity.data.chunks_mut(velocity.components.max(1));
+                rows.zip(weights).for_each(|(row, weight)| row.iter_mut().for_each(|v| *v *= weight));
+                weighted = particles.clone().with_quantity(velocity)?;
+                &weighted
+            }
+            None => particles,
+        };
         Ok(Self {
             balance: traction.as_ref().map(|traction| traction.balance_residual),
             forces: traction.filter(|_| keep).map(|traction| traction.forces),

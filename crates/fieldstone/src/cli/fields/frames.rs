@@ -5,11 +5,12 @@ use std::collections::VecDeque;
 
 use anyhow::{anyhow, bail};
 use fieldstone::fields::{
-    CoarseGraining, CoarseGrainingOptions, Fields, FieldsError, Selection, displacements, gaussian_time_weights,
+    CoarseGraining, CoarseGrainingOptions, Fields, FieldsError, ParcelWeight, Selection, displacements,
+    gaussian_time_weights,
 };
 use fieldstone::io::{MercuryRestart, SeriesFrame};
 use fieldstone::mesh::Cells;
-use fieldstone::particles::{Contacts, Domain, Particles, Quantity};
+use fieldstone::particles::{Contacts, Domain, Particles, ParticlesError, Quantity};
 use rayon::prelude::*;
 
 use super::clock::Clock;
@@ -60,7 +61,7 @@ impl Source<'_> {
             particles = particles.with_domain(bounds);
         }
         if let Some(column) = &settings.mass_column {
-            let found = particles.quantity(column).map_err(|e| anyhow!("--mass-column: {name}: {e}"))?;
+            let found = particles.column(column).map_err(|e| anyhow!("--mass-column: {name}: {e}"))?;
             if found.components != 1 {
                 bail!(
                     "--mass-column {column}: {name}: the column has {} numbers per particle; one is needed",
@@ -75,12 +76,6 @@ impl Source<'_> {
             }
             let masses = Quantity { name: "mass".into(), components: 1, data: found.data.clone() };
             particles = particles.with_quantity(masses)?;
-        }
-        // The radii are no column of their own.
-        let of_radius = settings.quantities.iter().flat_map(|quantity| &quantity.columns).any(|name| name == "radius");
-        if of_radius && particles.quantity("radius").is_err() {
-            let data = particles.radii().map_err(|e| anyhow!("{name}: {e}; give one for all with --radius"))?.to_vec();
-            particles = particles.with_quantity(Quantity { name: "radius".into(), components: 1, data })?;
         }
         let time = self.clock.time_of(&path, index, &particles);
         Ok(Frame { index, time, name, particles, contacts, faces: None })
@@ -110,6 +105,10 @@ impl Frame {
         match &error {
             FieldsError::NoMass { .. } => anyhow!(
                 "{}: {error}\n  for MercuryDPM give the .restart file (--restart); a column of another name with --mass-column",
+                self.name
+            ),
+            FieldsError::Particles(ParticlesError::NoColumn { name, .. }) if name == "velocity" => anyhow!(
+                "{}: {error}\n  give a file with velocities (columns vx vy vz, say), or leave out of --fields what needs them",
                 self.name
             ),
             FieldsError::Option { .. } | FieldsError::Combination { .. } | FieldsError::NoFrames => error.into(),
@@ -218,12 +217,17 @@ impl<'a, C: Cells> Running<'a, C> {
             let columns = self.plan.options.quantities.iter().flat_map(|quantity| &quantity.columns);
             let mut completed = without_rows(frame.particles.clone(), "angular_velocity", 3)?;
             completed = without_rows(completed, "displacement", 3)?;
+            if let Some(ParcelWeight::Column(name)) = &self.plan.options.parcel_weight
+                && completed.column(name).is_err()
+            {
+                completed = without_rows(completed, name, 1)?;
+            }
             for column in columns {
                 // Of a vector the columns are named one by one, its last component last.
                 let component = column.strip_suffix(']').and_then(|c| c.rsplit_once('['));
                 let component = component.and_then(|(name, k)| Some((name, k.parse::<usize>().ok()?)));
                 completed = match component {
-                    Some((name, _)) if completed.quantity(name).is_ok() => completed,
+                    _ if completed.column(column).is_ok() => completed,
                     Some((name, _)) => without_rows(completed, name, 9)?,
                     None => without_rows(completed, column, 1)?,
                 };

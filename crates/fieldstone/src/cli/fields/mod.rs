@@ -122,21 +122,24 @@ impl Run<'_> {
         if self.settings.fields.as_deref() == Some("all") && first.particles.quantity("angular_velocity").is_err() {
             self.options.fields.retain(|field| !needs_spin(*field));
         }
+        if !moves(&first.particles) && matches!(self.settings.fields.as_deref(), None | Some("all")) {
+            self.leave_out_what_moves(&first.name);
+        }
         self.species = self.species(&first)?;
         let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
         let job = Job { cells: &cells, first, series: &mut series, source, over_time };
         let keep = self.settings.face_fields.is_some();
+        let parcels = self.options.parcel_weight.clone();
         let account = match &cells {
             CellSet::Mesh(mesh) => {
                 let faces = |frame: &Frame, domain: Option<&Domain>| {
-                    FaceSums::new(mesh.as_ref(), &frame.particles, frame.contacts.as_ref(), domain, keep)
+                    FaceSums::new(mesh.as_ref(), frame, parcels.as_ref(), domain, keep)
                 };
                 self.on_cells(mesh.as_ref(), Some(&faces), job)?
             }
             CellSet::Grid(grid) => {
-                let faces = |frame: &Frame, domain: Option<&Domain>| {
-                    FaceSums::new(grid, &frame.particles, frame.contacts.as_ref(), domain, keep)
-                };
+                let faces =
+                    |frame: &Frame, domain: Option<&Domain>| FaceSums::new(grid, frame, parcels.as_ref(), domain, keep);
                 self.on_cells(grid, Some(&faces), job)?
             }
             CellSet::Cylinder(grid) => self.on_cells(grid, None, job)?,
@@ -158,6 +161,19 @@ impl Run<'_> {
         ))
     }
 
+    /// Takes the fields of motion out of those that are there where nothing else is asked for.
+    fn leave_out_what_moves(&mut self, name: &str) {
+        let fields = &mut self.options.fields;
+        let out: Vec<&str> = fields.iter().filter(|field| needs_velocity(**field)).map(|field| field.name()).collect();
+        if !out.is_empty() {
+            self.warnings.push(format!(
+                "{name}: the particles have no velocities, so these fields are left out: {}",
+                out.join(", ")
+            ));
+        }
+        fields.retain(|field| !needs_velocity(*field));
+    }
+
     /// Fields of all frames, to files.
     fn on_cells<C: Cells>(
         &mut self,
@@ -177,7 +193,7 @@ impl Run<'_> {
             (_, true) => Some("--smooth"),
             _ => None,
         };
-        let watch = Watch::new(refused, &job.first)?;
+        let watch = Watch::new(refused, &job.first, self.options.parcel_weight.is_some())?;
         let rest = job.series.map(|frame| job.source.frame(frame?));
         let frames = std::iter::once(Ok(job.first)).chain(rest).map(|frame| {
             let frame = frame?;
@@ -220,7 +236,7 @@ impl Run<'_> {
         }
         self.check_binned(cells, &account)?;
         writer.finish()?;
-        warnings.iter().for_each(|warning| report::warn(warning));
+        self.warnings.iter().chain(&warnings).for_each(|warning| report::warn(warning));
         Ok(account)
     }
 
@@ -357,6 +373,26 @@ struct Job<'a> {
     series: &'a mut BackgroundSeries,
     source: Source<'a>,
     over_time: OverTime,
+}
+
+/// Whether a field is of the particles' velocities.
+fn needs_velocity(field: FieldName) -> bool {
+    use FieldName::*;
+    matches!(
+        field,
+        Momentum
+            | MomentumFlux
+            | Velocity
+            | KineticStress
+            | GranularTemperature
+            | TotalStress
+            | Pressure
+            | KineticEnergyDensity
+            | KineticEnergyFlux
+            | ContactEnergyFlux
+            | AngularMomentum
+            | MomentumWithSpin
+    )
 }
 
 /// Whether a field is of spins, and says little of particles without them.

@@ -31,6 +31,8 @@ pub(super) struct Run<'a> {
     pub gravity: Option<[f64; 3]>,
     /// Types that get fields of their own.
     pub species: Vec<i64>,
+    /// What to say once the results are there.
+    pub warnings: Vec<String>,
 }
 
 impl<'a> Run<'a> {
@@ -72,6 +74,7 @@ impl<'a> Run<'a> {
             options: CoarseGrainingOptions::default(),
             gravity,
             species: Vec::new(),
+            warnings: Vec::new(),
         };
         run.bounds = run.bounds()?;
         run.options = run.options()?;
@@ -132,6 +135,9 @@ impl<'a> Run<'a> {
             conserve: settings.conserve.unwrap_or(false),
             selection,
             particle_density: settings.density,
+            parcel_weight: (settings.parcel_weight.as_ref())
+                .map(|text| text.parse().map_err(|e| anyhow!("--parcel-weight {text}: {e}")))
+                .transpose()?,
             ..defaults
         })
     }

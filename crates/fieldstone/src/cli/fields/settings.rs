@@ -57,26 +57,40 @@ impl<'de, T: Deserialize<'de> + FromStr> Deserialize<'de> for Numbers<T> {
 }
 
 /// Text in TOML, where the command line takes one number as it stands: `frames = 3`.
+fn text_or_whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    deserializer.deserialize_any(TextOrNumber { whole: true })
+}
+
+/// The same with any number: `parcel-weight = 2.5`.
 fn text_or_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
-    struct TextOrNumber;
+    deserializer.deserialize_any(TextOrNumber { whole: false })
+}
 
-    impl Visitor<'_> for TextOrNumber {
-        type Value = Option<String>;
+struct TextOrNumber {
+    whole: bool,
+}
 
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a string or a whole number")
-        }
+impl Visitor<'_> for TextOrNumber {
+    type Value = Option<String>;
 
-        fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
-            Ok(Some(number.to_string()))
-        }
-
-        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
-            Ok(Some(text.into()))
-        }
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.whole { "a string or a whole number" } else { "a string or a number" })
     }
 
-    deserializer.deserialize_any(TextOrNumber)
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
+        if self.whole {
+            return Err(E::invalid_type(de::Unexpected::Float(number), &self));
+        }
+        Ok(Some(number.to_string()))
+    }
+
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
+        Ok(Some(number.to_string()))
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+        Ok(Some(text.into()))
+    }
 }
 
 impl<T: FromStr> FromStr for Numbers<T> {
@@ -276,6 +290,13 @@ pub(crate) struct Settings {
     /// Column that holds the masses [default: mass, else density]
     #[arg(long, value_name = "NAME")]
     pub mass_column: Option<String>,
+    /// Real particles per simulated one: a number, or the name of a column, such as OpenFOAM's nParticle
+    ///
+    /// Every sum over particles counts a parcel as so many particles, each of its radius, mass and velocity. Without
+    /// contacts only, since what one between parcels stands for is not known.
+    #[arg(long, value_name = "COLUMN|W", allow_negative_numbers = true, conflicts_with = "contacts")]
+    #[serde(deserialize_with = "text_or_number")]
+    pub parcel_weight: Option<String>,
     /// Radius of all particles, in place of the file's
     #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
     pub radius: Option<f64>,
@@ -317,14 +338,14 @@ pub(crate) struct Settings {
     pub conserve: Option<bool>,
     /// standard (MercuryCG's 29 columns), binning, all, or names separated by commas [default: standard]
     ///
-    /// The default and all leave out what needs contacts where there are none, and all what needs spins. docs/coarse-graining.md has all names with
+    /// The default and all leave out what needs contacts or velocities where there are none, and all what needs spins. docs/coarse-graining.md has all names with
     /// their formulas.
     #[arg(long, value_name = "LIST")]
     pub fields: Option<String>,
     /// Field of any columns that the particles have; may be repeated
     ///
     /// sum is Σ φ q, a density; mass-mean and volume-mean are means of q. COLUMNS are one name of a scalar, vector or
-    /// tensor, or 1, 3, 6 or 9 names of scalars.
+    /// tensor, or 1, 3, 6 or 9 names of scalars, as the file has them (vx, c_st[1]) or as velocity[1]: components count from 1.
     #[arg(long = "quantity", value_name = "NAME=COLUMNS[:sum|mass-mean|volume-mean]")]
     #[serde(rename = "quantity", skip_serializing_if = "Vec::is_empty")]
     pub quantities: Vec<QuantityName>,
@@ -373,7 +394,7 @@ pub(crate) struct Settings {
     ///
     /// Default: all for .pvd, .stat, --average and --smooth; else the last one.
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
-    #[serde(deserialize_with = "text_or_number")]
+    #[serde(deserialize_with = "text_or_whole")]
     pub frames: Option<String>,
     /// One result: the mean over the frames
     #[arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "smooth")]
@@ -448,7 +469,7 @@ impl Settings {
                 }
             };
         }
-        either!(particles restart density mass_column radius allow_non_spherical mesh grid cells coordinates axis origin
+        either!(particles restart density mass_column parcel_weight radius allow_non_spherical mesh grid cells coordinates axis origin
             function width cutoff conserve fields stress_form sign walls mean_velocity gravity species per_species radii region
             periodic bounds frames average smooth timestep out encoding face_fields to_particles json)
     }
@@ -470,6 +491,7 @@ impl Settings {
         }
         let exclusive = [
             ("density", self.density.is_some(), "mass-column", self.mass_column.is_some()),
+            ("contacts", !self.contacts.0.is_empty(), "parcel-weight", self.parcel_weight.is_some()),
             ("mesh", self.mesh.is_some(), "grid", self.grid.is_some()),
             ("mesh", self.mesh.is_some(), "cells", self.cells.is_some()),
             ("mesh", self.mesh.is_some(), "coordinates", self.coordinates.is_some()),
