@@ -30,7 +30,7 @@ use super::report;
 use account::{Account, Seen};
 use binned::MOST_TYPES;
 use body_force::body_forces;
-use cells::{CellSet, bytes_per_cell};
+use cells::{CellSet, bytes_per_cell, over_particles};
 use clock::Clock;
 use faces::FaceSums;
 use frames::{Frame, Outcome, OverTime, Plan, Source, compute, with_displacements};
@@ -123,7 +123,13 @@ impl Run<'_> {
             self.options.fields.retain(|field| !needs_spin(*field));
         }
         self.species = self.species(&first)?;
-        let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
+        let laid = over_particles(self.settings, &first)?;
+        let settings = laid.as_ref().map_or(self.settings, |(settings, _)| settings);
+        let cells = CellSet::new(settings, &first.particles, self.periodic, self.columns())?;
+        if let Some((settings, note)) = laid {
+            report::warn(&note);
+            self.laid = Some(settings);
+        }
         let job = Job { cells: &cells, first, series: &mut series, source, over_time };
         let keep = self.settings.face_fields.is_some();
         let account = match &cells {
@@ -236,7 +242,8 @@ impl Run<'_> {
 
     /// Where the results go.
     fn writer<'b>(&'b self, cells: &'b CellSet) -> anyhow::Result<Writer<'b>> {
-        let echo = format!("{}{}", self.settings.echo()?, self.legend());
+        let settings = self.laid.as_ref().unwrap_or(self.settings);
+        let echo = format!("{}{}", settings.echo()?, self.legend());
         let mut writer = Writer::new(self.out, self.format, cells, echo, self.settings)?;
         let beside = [&self.settings.face_fields, &self.settings.to_particles];
         beside.into_iter().flatten().try_for_each(|path| writer.beside(path))?;

@@ -27,6 +27,8 @@ pub(super) struct Run<'a> {
     pub periodic: Periodic,
     /// In place of the files' box.
     pub bounds: Option<Domain>,
+    /// The settings with bounds of the cells that the first frame's particles gave, where nothing else did.
+    pub laid: Option<Settings>,
     pub options: CoarseGrainingOptions,
     pub gravity: Option<[f64; 3]>,
     /// Types that get fields of their own.
@@ -37,9 +39,7 @@ impl<'a> Run<'a> {
     pub fn new(settings: &'a Settings, config: Option<&Path>) -> anyhow::Result<Self> {
         let particles = settings.particles.as_deref().ok_or_else(|| anyhow!("give the particles: --particles FILE"))?;
         let out = settings.out.as_deref().ok_or_else(|| anyhow!("give the result's name: --out OUT"))?;
-        let cylindrical =
-            matches!(settings.coordinates.as_deref().map(str::to_ascii_uppercase).as_deref(), Some("R" | "RZ" | "RTZ"));
-        let kind = match (&settings.mesh, cylindrical) {
+        let kind = match (&settings.mesh, settings.is_cylindrical()) {
             (Some(_), _) => CellKind::Mesh,
             (None, true) => CellKind::Cylinder,
             (None, false) => CellKind::Grid,
@@ -69,6 +69,7 @@ impl<'a> Run<'a> {
             range: FrameRange::default(),
             periodic: settings.periodic.as_deref().unwrap_or("auto").parse().map_err(|e| anyhow!("--periodic: {e}"))?,
             bounds: None,
+            laid: None,
             options: CoarseGrainingOptions::default(),
             gravity,
             species: Vec::new(),

@@ -285,9 +285,10 @@ pub(crate) struct Settings {
     /// Mesh: an OpenFOAM case or polyMesh folder, Gmsh .msh, VTK .vtu or .vtk
     #[arg(long, value_name = "MESH", conflicts_with_all = ["grid", "cells", "coordinates"])]
     pub mesh: Option<PathBuf>,
-    /// Bounds of the grid: XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [default: the box]
+    /// Bounds of the grid: XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [default: the box, else the first frame's particles]
     ///
-    /// The default for a tilted box is one period of it, upright, along its periodic axes. For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
+    /// The default for a tilted box is one period of it, upright, along its periodic axes. Where the files state no box, a warning
+    /// tells the bounds of the first frame's particles, and the settings that the result repeats hold them. For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
     #[arg(long, value_name = "BOUNDS", allow_hyphen_values = true)]
     pub grid: Option<Numbers<f64>>,
     /// Cells of the grid along its resolved directions, or one number for all of them, e.g. 10,10,20 or 20
@@ -451,6 +452,12 @@ impl Settings {
         either!(particles restart density mass_column radius allow_non_spherical mesh grid cells coordinates axis origin
             function width cutoff conserve fields stress_form sign walls mean_velocity gravity species per_species radii region
             periodic bounds frames average smooth timestep out encoding face_fields to_particles json)
+    }
+
+    /// Whether the cells lie around an axis.
+    pub fn is_cylindrical(&self) -> bool {
+        let name = self.coordinates.as_deref().map(str::to_ascii_uppercase);
+        matches!(name.as_deref(), Some("R" | "RZ" | "RTZ"))
     }
 
     /// What clap refuses on the command line may come from a file.
