@@ -11,6 +11,10 @@ use super::report;
 /// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the run's other files.
 pub(crate) fn check(option: &str, path: &Path, others: &[&Path]) -> anyhow::Result<()> {
     let shown = path.display();
+    // Commands that number their results ask with a number in its place.
+    if path.file_name().is_some_and(|name| name.to_string_lossy().contains("{}")) {
+        bail!("{option} {shown}: this is one file, and {{}} in its name would stay as it is; leave it out");
+    }
     check_folder(option, path)?;
     if path.is_dir() {
         bail!("{option} {shown}: this is a folder; give the name of a file");

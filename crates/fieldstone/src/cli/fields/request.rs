@@ -203,6 +203,20 @@ impl<'a> Run<'a> {
 
 /// Refuses names of results that are those of other files of the run.
 fn check_names(settings: &Settings, out: &Path, kind: CellKind, inputs: &[&Path]) -> anyhow::Result<()> {
+    for (option, path) in [
+        ("--out", Some(out)),
+        ("--face-fields", settings.face_fields.as_deref()),
+        ("--to-particles", settings.to_particles.as_deref()),
+    ] {
+        let Some(name) = path.and_then(Path::file_name).map(|name| name.to_string_lossy()) else { continue };
+        if name.contains("{}") {
+            let series = if option == "--out" { ".pvd file, or a .stat file," } else { ".pvd file" };
+            bail!(
+                "{option} {}: names are not numbered here; give a {series} for a result of each frame, or leave out {{}} for one",
+                path.unwrap_or(out).display()
+            );
+        }
+    }
     outputs::check("--out", out, inputs)?;
     let mut taken = [inputs, &[out]].concat();
     let sides = [
