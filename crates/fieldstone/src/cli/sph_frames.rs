@@ -192,7 +192,7 @@ impl SphArguments {
         if dimension == 2 {
             sph_checks::in_plane(particles.positions(), &file.to_string())?;
         }
-        let candidates = self.candidates(particles).map_err(|e| anyhow!("{file}: {e}"))?;
+        let candidates = self.candidates(frame).map_err(|e| anyhow!("{file}: {e}"))?;
         let spacing = match self.spacing {
             Some(spacing) => spacing,
             None => {
@@ -277,10 +277,11 @@ impl SphArguments {
         Ok(axes.contains(&true).then(|| domain.with_periodic(axes)))
     }
 
-    fn candidates(&self, particles: &Particles) -> anyhow::Result<Option<Vec<bool>>> {
+    fn candidates(&self, frame: &SeriesFrame) -> anyhow::Result<Option<Vec<bool>>> {
         if self.boundary.is_empty() {
             return Ok(None);
         }
+        let particles = &frame.particles;
         let mut fluid = vec![true; particles.len()];
         for Boundary { field, value } in &self.boundary {
             let own;
@@ -299,6 +300,14 @@ impl SphArguments {
             };
             for (fluid, found) in fluid.iter_mut().zip(column) {
                 *fluid &= found != value;
+            }
+            // A frame of a series may be without boundary, so this is no error.
+            if !column.is_empty() && !column.contains(value) {
+                let name = frame.path.display();
+                report::warn(&format!(
+                    "--boundary {field}={value}: {name}: no particle has this value, so none of them is boundary by it; {}",
+                    sph_checks::values(column)
+                ));
             }
         }
         if !fluid.is_empty() && !fluid.contains(&true) {
