@@ -54,7 +54,9 @@ pub(crate) struct Detect {
     /// Distance from the free surface that counts as its vicinity, in spacings
     #[arg(long, value_name = "V", default_value_t = 4.0, value_parser = positive, allow_negative_numbers = true)]
     vicinity: f64,
-    /// Add exposure and exposure_axis
+    /// Add exposure and exposure_axis: some hundred times as long as the detection
+    ///
+    /// About 0.2 ms of one core per particle of a disordered flow, 0.5 ms on a lattice.
     #[arg(long)]
     exposure: bool,
     /// Leave level and normal out
