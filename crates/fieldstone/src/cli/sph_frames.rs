@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{
-    AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files, find_times,
-};
+use fieldstone::io::{BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files, find_times};
 use fieldstone::particles::{Domain, Particles};
 use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -378,18 +376,17 @@ impl NumberedOutput {
     pub fn check_with_json(&self, others: &[&Path], json: Option<&Path>) -> anyhow::Result<()> {
         let Some(json) = json else { return self.check(others) };
         let first = self.at(0);
-        outputs::check("--json", json, &[others, &[first.as_path()]].concat())?;
+        outputs::check_json(json, &[others, &[first.as_path()]].concat())?;
         self.check(&[others, &[json]].concat())
     }
 
     /// Writes what is known of each frame as JSON, where asked for: one object, or a list where there may be many.
     pub fn write_json<T: Serialize>(&self, json: Option<&Path>, summaries: &[T]) -> anyhow::Result<()> {
         let Some(path) = json else { return Ok(()) };
-        let text = match summaries {
-            [one] if !self.is_numbered() => serde_json::to_string_pretty(one)?,
-            all => serde_json::to_string_pretty(all)?,
-        };
-        Ok(AtomicFile::write(path, |file| writeln!(file, "{text}"))?)
+        match summaries {
+            [one] if !self.is_numbered() => outputs::write_json(path, one),
+            all => outputs::write_json(path, &all),
+        }
     }
 
     /// Refuses a second frame for one file.

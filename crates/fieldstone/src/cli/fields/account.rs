@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use fieldstone::fields::{CoarseGrainingLedger, CoarseGrainingOptions, FieldName, Fields, Function};
-use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
 use super::binned::Found;
+use crate::cli::outputs;
 use crate::cli::report::{clipped, number};
 
 /// What has been seen of the frames themselves.
@@ -151,9 +151,7 @@ impl Account {
             contacts: self.seen.contacts.unwrap_or(0),
             cells: self.cells,
         };
-        let text = serde_json::to_string_pretty(&json)?;
-        AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
-        Ok(())
+        outputs::write_json(path, &json)
     }
 
     /// The lines that every run prints.

@@ -219,16 +219,15 @@ fn check_names(settings: &Settings, out: &Path, kind: CellKind, inputs: &[&Path]
     }
     outputs::check("--out", out, inputs)?;
     let mut taken = [inputs, &[out]].concat();
-    let sides = [
-        ("--face-fields", &settings.face_fields),
-        ("--to-particles", &settings.to_particles),
-        ("--json", &settings.json),
-    ];
-    for (option, path) in sides {
+    for (option, path) in [("--face-fields", &settings.face_fields), ("--to-particles", &settings.to_particles)] {
         if let Some(path) = path {
             outputs::check(option, path, &taken)?;
             taken.push(path);
         }
+    }
+    if let Some(path) = &settings.json {
+        outputs::check_json(path, &taken)?;
+        taken.push(path);
     }
     let cells_ending = if kind == CellKind::Mesh { ".vtu" } else { ".vti" };
     let lists = [
