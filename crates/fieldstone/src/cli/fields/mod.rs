@@ -26,7 +26,7 @@ use fieldstone::mesh::Cells;
 use fieldstone::particles::{Domain, Particles};
 
 use super::arguments::{Periodic, available_memory};
-use super::report;
+use super::{outputs, report};
 use account::{Account, Seen};
 use binned::MOST_TYPES;
 use body_force::body_forces;
@@ -71,7 +71,7 @@ impl FieldsCommand {
         let begin = Instant::now();
         let file = self.config.or(self.file);
         let settings = match &file {
-            Some(path) => self.settings.or(Settings::read(path)?),
+            Some(path) => self.settings.before(Settings::read(path)?),
             None => self.settings,
         };
         settings.check()?;
@@ -126,10 +126,8 @@ impl Run<'_> {
         let laid = over_particles(self.settings, &first)?;
         let settings = laid.as_ref().map_or(self.settings, |(settings, _)| settings);
         let cells = CellSet::new(settings, &first.particles, self.periodic, self.columns())?;
-        if let Some((settings, note)) = laid {
-            report::warn(&note);
-            self.laid = Some(settings);
-        }
+        let (laid, note) = laid.unzip();
+        self.laid = laid;
         let job = Job { cells: &cells, first, series: &mut series, source, over_time };
         let keep = self.settings.face_fields.is_some();
         let account = match &cells {
@@ -147,18 +145,20 @@ impl Run<'_> {
             }
             CellSet::Cylinder(grid) => self.on_cells(grid, None, job)?,
         };
-        series.warnings().iter().for_each(|warning| report::warn(warning));
+        // A run that is refused needs no more said of it.
+        note.iter().chain(&series.warnings()).for_each(|warning| report::warn(warning));
         if let Some(path) = &self.settings.json {
             account.write(path, begin.elapsed().as_secs_f64())?;
         }
-        report::print(&format!(
+        let text = format!(
             "{}{:<20} {:.2}\n{:<20} {}\n",
             account.text(),
             "seconds",
             begin.elapsed().as_secs_f64(),
             "written to",
             self.out.display()
-        ))
+        );
+        outputs::report_beside(self.settings.json.as_deref(), &text)
     }
 
     /// Fields of all frames, to files.
