@@ -35,7 +35,7 @@ pub struct Exposure {
 /// Branch and bound over the sphere (the function changes by no more than the angle moved), then the cone that
 /// touches the nearest two or three neighbours. Accurate to 1e-9; where another local maximum lies within 0.2° in
 /// direction *and* value of the best, to the difference of the two. In two dimensions half the widest gap, in closed
-/// form. Cost: about 0.2 ms of one core per particle of a disordered flow and 0.5 ms on a lattice, whose cones are many and
+/// form. Cost: about 0.2 ms of one core per particle of a disordered flow and 0.6 ms on a lattice, whose cones are many and
 /// equal; some hundred times that of the detection.
 ///
 /// # Errors
