@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use memchr::{memchr, memchr_iter};
+use memchr::{memchr, memchr_iter, memrchr};
 use rayon::prelude::*;
 
 use crate::{IoError, Position};
@@ -110,6 +110,14 @@ impl LineBlock {
     /// The first line.
     pub(crate) fn first_line(&self) -> Option<Line<'_>> {
         Lines { rest: &self.bytes, number: self.first, left: 1 }.next()
+    }
+
+    /// The last line.
+    pub(crate) fn last_line(&self) -> Option<Line<'_>> {
+        let number = self.first + self.count.checked_sub(1)?;
+        let before_end = self.bytes.strip_suffix(b"\n").unwrap_or(&self.bytes);
+        let start = memrchr(b'\n', before_end).map_or(0, |end| end + 1);
+        Lines { rest: &self.bytes[start..], number, left: 1 }.next()
     }
 
     /// What `parse` makes of parts of the block, in their order; where parts fail, the error of the first of them.

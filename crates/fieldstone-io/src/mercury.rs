@@ -135,6 +135,10 @@ impl MercuryReader {
                 return Err(self.truncated(count - left, count));
             }
             left -= block.len();
+            // Half a row at the end of a cut file is none, as where the rows are read.
+            if !block.complete() && block.last_line().is_some_and(|line| words(line.bytes).count() < NAMES.len()) {
+                return Err(self.truncated(count - left - 1, count));
+            }
             self.lines.reuse(block);
         }
         self.frame += 1;

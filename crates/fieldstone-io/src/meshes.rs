@@ -82,6 +82,9 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, IoError> {
 /// # Errors
 /// [`IoError`] where the file cannot be read.
 pub fn file_kind(path: &Path) -> Result<FileKind, IoError> {
+    if !openfoam::parts_of_cloud(path).is_empty() {
+        return Ok(FileKind::Particles);
+    }
     let mesh = match format_of(path)? {
         Format::OpenFoam => !path.ancestors().any(|p| p.file_name().is_some_and(|n| n == "lagrangian")),
         Format::Gmsh => true,

@@ -7,7 +7,7 @@ use fieldstone_particles::Particles;
 
 use crate::columns::non_spherical;
 use crate::lines::{integer, number, shown, words};
-use crate::openfoam::read_cloud;
+use crate::openfoam::{parts_of_cloud, read_cloud, read_parts};
 use crate::vtk::read_vtk_particles;
 use crate::{
     CsvReader, DumpReader, FrameReader, IoError, MercuryReader, Position, XyzReader, read_bgeo, read_ply, source,
@@ -127,6 +127,14 @@ fn other_format(start: &Start) -> Option<&'static str> {
     if start.begins(&["LAMMPS", "LIGGGHTS"]) {
         return Some("a data file to start a simulation from; the particles are read from dumps");
     }
+    if start.bytes.starts_with(b"FSTNSPH") {
+        return Some("a checkpoint of `fieldstone sph run`, which goes on from it with --resume");
+    }
+    if start.named(&[".toml"]) {
+        return Some(
+            "settings in TOML: a case for `fieldstone sph check` and `sph run`, or settings for `fieldstone fields`",
+        );
+    }
     if start.begins(&["{", "["]) {
         return Some("a JSON file");
     }
@@ -155,7 +163,7 @@ fn whole_file(path: &Path, options: &ParticleOptions, read: fn(&Path) -> Result<
 /// Opens a file of particles, deciding on the format by its content.
 ///
 /// LIGGGHTS and LAMMPS text dumps, VTK points, PLY point clouds, classic `.bgeo`, OpenFOAM clouds (by their folder or
-/// a file), MercuryDPM `.data`, XYZ and tables (CSV, `# x y z`, YADE's text export) are read; all of them compressed with gzip, too.
+/// a file; of a decomposed case by the path that the reconstructed one would have, processor by processor), MercuryDPM `.data`, XYZ and tables (CSV, `# x y z`, YADE's text export) are read; all of them compressed with gzip, too.
 ///
 /// # Errors
 /// [`IoError::UnknownFormat`] tells what the content looks like; [`IoError::System`] where the file cannot be
@@ -171,6 +179,10 @@ fn whole_file(path: &Path, options: &ParticleOptions, read: fn(&Path) -> Result<
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn open_particles(path: &Path, options: &ParticleOptions) -> Result<Box<dyn FrameReader + Send>, IoError> {
+    let parts = parts_of_cloud(path);
+    if !parts.is_empty() {
+        return Ok(Box::new(OneFrame::new(path, move |_: &Path| read_parts(&parts))));
+    }
     let mut bytes = Vec::new();
     if !path.is_dir() {
         let read = source::open(path)?.take(1 << 13).read_to_end(&mut bytes);

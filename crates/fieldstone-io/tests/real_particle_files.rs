@@ -167,3 +167,26 @@ fn skipped_frames_leave_the_reader_where_read_ones_do() {
     assert_eq!(reader.next_frame().unwrap().unwrap(), only_frame(&b));
     assert!(!reader.skip_frame().unwrap());
 }
+
+#[test]
+fn half_a_row_at_the_end_of_a_data_file_is_none_whether_its_frame_is_read_or_passed_over() {
+    let row = "0 0 0 1 0 0 0.5 0 0 0 0 0 0 0\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.data");
+    let whole = format!("3 0 0 0 0 2 1 1\n{}", row.repeat(3));
+    for (cut, rows) in [(0, 3), (1, 3), (4, 2), (row.len() - 1, 2), (row.len(), 2), (row.len() + 9, 1)] {
+        std::fs::write(&path, &whole[..whole.len() - cut]).unwrap();
+        let read = MercuryReader::open(&path).unwrap().next_frame().map(|frame| frame.is_some());
+        let skipped = MercuryReader::open(&path).unwrap().skip_frame();
+        let text = |result: Result<bool, IoError>| result.map_err(|e| e.to_string());
+        let (read, skipped) = (text(read), text(skipped));
+        assert_eq!(read, skipped, "without the last {cut} bytes");
+        match rows {
+            3 => assert_eq!(read, Ok(true)),
+            _ => {
+                let message = read.unwrap_err();
+                assert!(message.contains(&format!("ends after {rows} of the 3 particles")), "{message}");
+            }
+        }
+    }
+}

@@ -35,7 +35,8 @@ pub struct Exposure {
 /// Branch and bound over the sphere (the function changes by no more than the angle moved), then the cone that
 /// touches the nearest two or three neighbours. Accurate to 1e-9; where another local maximum lies within 0.2° in
 /// direction *and* value of the best, to the difference of the two. In two dimensions half the widest gap, in closed
-/// form. Cost: about 20 µs per particle.
+/// form. Cost: about 0.2 ms of one core per particle of a disordered flow and 0.6 ms on a lattice, whose cones are many and
+/// equal; some hundred times that of the detection.
 ///
 /// # Errors
 /// As [`SurfaceDetection::label`](crate::SurfaceDetection::label).
@@ -90,6 +91,7 @@ struct ExposureScratch {
     next: Vec<(f64, Square)>,
     angles: Vec<f64>,
     near: Vec<(f64, DVec3)>,
+    settled: Vec<(f64, DVec3)>,
 }
 
 impl Visitor for ExposureVisitor {
@@ -125,7 +127,7 @@ fn widest_gap(hood: &Neighbourhood, angles: &mut Vec<f64>) -> Exposure {
 impl ExposureVisitor {
     #[inline(always)]
     fn largest_cone(&self, hood: &Neighbourhood, scratch: &mut ExposureScratch) -> Exposure {
-        let ExposureScratch { directions, level, next, near, .. } = scratch;
+        let ExposureScratch { directions, level, next, near, settled, .. } = scratch;
         directions.fill(hood);
         directions.repeat_first(hood.len);
         let empty = |m: DVec3, directions: &UnitDirections| directions.nearest(m).clamp(-1.0, 1.0).acos();
@@ -173,8 +175,10 @@ impl ExposureVisitor {
         level.truncate(6);
         let mut starts: Vec<DVec3> = level.iter().map(|(_, square)| square.centre()).collect();
         starts.push(best.1);
+        settled.clear();
         for start in starts {
-            let polished = polish(start, directions, near);
+            let polished = polish(start, directions, near, settled);
+            settled.push(polished);
             if polished.0 > best.0 {
                 best = polished;
             }
@@ -184,10 +188,20 @@ impl ExposureVisitor {
 }
 
 /// The cone that the neighbours nearest to `start` bound: equidistant from three of them, or midway between two.
-fn polish(start: DVec3, directions: &UnitDirections, near: &mut Vec<(f64, DVec3)>) -> (f64, DVec3) {
-    let angle = |m: DVec3| directions.nearest(m).clamp(-1.0, 1.0).acos();
-    let mut best = (angle(start), start);
+///
+/// `settled` are the cones that other starts of the same particle ended with: what arrives at one of them stays there.
+fn polish(
+    start: DVec3,
+    directions: &UnitDirections,
+    near: &mut Vec<(f64, DVec3)>,
+    settled: &[(f64, DVec3)],
+) -> (f64, DVec3) {
+    let mut closest = directions.nearest(start);
+    let mut best = (closest.clamp(-1.0, 1.0).acos(), start);
     for _ in 0..6 {
+        if settled.contains(&best) {
+            break;
+        }
         near.clear();
         for ((&x, &y), &z) in directions.x.iter().zip(&directions.y).zip(&directions.z) {
             let axis = DVec3::new(x, y, z);
@@ -202,9 +216,16 @@ fn polish(start: DVec3, directions: &UnitDirections, near: &mut Vec<(f64, DVec3)
                 return;
             }
             for m in [m, -m] {
-                let found = angle(m);
-                if found > improved.0 {
-                    improved = (found, m);
+                // Nearly every axis is too near to one of these, and needs no look at all the others.
+                if near.iter().any(|(_, z)| z.dot(m) >= closest) {
+                    continue;
+                }
+                let nearest = directions.nearest(m);
+                if nearest < closest {
+                    let found = nearest.clamp(-1.0, 1.0).acos();
+                    if found > improved.0 {
+                        (improved, closest) = ((found, m), nearest);
+                    }
                 }
             }
         };
@@ -226,3 +247,6 @@ fn polish(start: DVec3, directions: &UnitDirections, near: &mut Vec<(f64, DVec3)
     }
     best
 }
+
+#[cfg(test)]
+mod tests;

@@ -227,3 +227,24 @@ fn files_whose_names_have_numbers_in_other_places_are_taken_in_their_order() {
     folder.succeeds(line);
     assert!(folder.path("all_0.vti").is_file() && folder.path("all_1.vti").is_file());
 }
+
+#[test]
+fn a_function_of_the_command_line_leaves_the_files_kernel_behind() {
+    let folder = mercury();
+    let settings = "particles = \"box.data\"\nrestart = \"box.restart\"\ncells = [2, 1, 1]\nfields = [\"density\", \"velocity\"]\n";
+    folder
+        .write("kernel.toml", format!("{settings}function = \"gauss\"\nwidth = 0.5\ncutoff = 1.5\nconserve = true\n"));
+    folder.write("plain.toml", settings);
+    folder.succeeds("fields kernel.toml --function exact --out exact.csv");
+    folder.succeeds("fields plain.toml --function exact --out plain.csv");
+    let text = |file: &str| std::fs::read_to_string(folder.path(file)).unwrap();
+    assert_eq!(text("exact.csv").replace("exact.csv", "plain.csv"), text("plain.csv"));
+    mentions(&text("plain.csv"), &["density", "velocity_x", "fields = \"density,velocity\""]);
+    assert!(!text("plain.csv").contains("momentum"), "no more fields than the list names");
+    // Another kernel keeps the width, but not a Gaussian's cut-off, and what the command line itself says is not dropped.
+    folder.succeeds("fields kernel.toml --function lucy --out lucy.csv");
+    mentions(&text("lucy.csv"), &["function = \"lucy\"", "width = 0.5", "conserve = true"]);
+    mentions(&folder.fails("fields plain.toml --function exact --width 0.5 --out a.csv"), &["go with kernels"]);
+    folder.write("wrong.toml", settings.replace("\"velocity\"", "3"));
+    mentions(&folder.fails("fields wrong.toml --out a.csv"), &["wrong.toml", "string"]);
+}

@@ -108,6 +108,51 @@ fn frames_computed_at_the_same_time_are_those_of_one_after_the_other() {
 }
 
 #[test]
+fn bounds_taken_from_the_first_frames_particles_are_told_and_belong_to_the_result() {
+    let folder = Folder::new();
+    let frame = |x: f64| format!("x,y,z,radius,mass\n0,0,0,0.5,2\n{x},0,0,0.5,1\n");
+    folder.write("balls_0.csv", frame(1.0));
+    folder.write("balls_1.csv", frame(9.0));
+    let line = "fields --particles balls_*.csv --cells 2,1,1 --fields density";
+    let run = folder.succeeds(&format!("{line} --average --out mean.csv"));
+    let bounds = "--grid=-0.5,1.5,-0.5,0.5,-0.5,0.5";
+    mentions(&run.stderr, &["balls_0.csv, frame 0: the files state no box", bounds, "give bounds that hold them all"]);
+    mentions(&run.stdout, &["16.6667 %"]);
+    let repeated = |file: &str| std::fs::read_to_string(folder.path(file)).unwrap();
+    mentions(&repeated("mean.csv"), &["grid = [-0.5, 1.5, -0.5, 0.5, -0.5, 0.5]"]);
+    // The same bounds, given, need no warning and lead to the same numbers.
+    let given = folder.succeeds(&format!("{line} {bounds} --average --out given.csv"));
+    assert!(!given.stderr.contains("no box"), "{}", given.stderr);
+    assert_eq!(repeated("given.csv").replace("given.csv", "mean.csv"), repeated("mean.csv"));
+    // A box, from a file or from the command line, is where the cells reach in any frame.
+    let boxed = folder.succeeds(&format!("{line} --box 0,9,0,1,0,1 --periodic none --average --out boxed.csv"));
+    assert!(!boxed.stderr.contains("no box") && !repeated("boxed.csv").contains("grid ="), "{}", boxed.stderr);
+    // Around an axis both the bounds and the place of the axis are taken.
+    let line = "fields --particles balls_*.csv --coordinates R --cells 1 --fields density --average";
+    let around = folder.succeeds(&format!("{line} --out around.csv"));
+    mentions(&around.stderr, &["--grid=0,0.5,0,1 --origin=0.5,0,-0.5"]);
+    mentions(&repeated("around.csv"), &["grid = [0.0, 0.5, 0.0, 1.0]", "origin = [0.5, 0.0, -0.5]"]);
+    let given = folder.succeeds(&format!("{line} --grid=0,0.5,0,1 --origin=0.5,0,-0.5 --out given.csv"));
+    assert!(!given.stderr.contains("no box"), "{}", given.stderr);
+    assert_eq!(repeated("given.csv").replace("given.csv", "around.csv"), repeated("around.csv"));
+}
+
+#[test]
+fn braces_in_the_names_of_results_are_refused_with_the_way_to_a_result_for_each_frame() {
+    let folder = mercury();
+    for (names, parts) in [
+        ("--out density_{}.vti", ["--out density_{}.vti: names are not numbered here", ".pvd file, or a .stat file,"]),
+        ("--face-fields faces_{}.vtp --out a.vti", ["--face-fields faces_{}.vtp: names are", "give a .pvd file"]),
+        ("--to-particles back_{}.csv --out a.vti", ["--to-particles back_{}.csv: names are", "give a .pvd file"]),
+        ("--json a_{}.json --out a.vti", ["--json a_{}.json: this is one file, and {} in its name", "leave it out"]),
+    ] {
+        mentions(&folder.fails(&format!("{MERCURY} {names}")), &parts);
+    }
+    let message = folder.fails("fraction --particles box.data --grid 0,1,0,1,0,1 --cells 1 --out a_{}.vti");
+    mentions(&message, &["--out a_{}.vti: this is one file, and {} in its name would stay as it is"]);
+}
+
+#[test]
 fn files_of_a_series_never_take_the_name_of_an_input() {
     let folder = Folder::new();
     let balls = "x,y,z,radius,mass,vx,vy,vz\n0.5,0.5,0.5,0.25,1,0,0,0\n";

@@ -58,6 +58,16 @@ pub(super) fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, IoError> {
     Ok(found)
 }
 
+/// The `processorN` folders of a case, in the order of N.
+pub(super) fn processors(case: &Path) -> Vec<(usize, PathBuf)> {
+    let folders = folders(case).unwrap_or_default();
+    let number = |name: &str| name.strip_prefix("processor")?.parse().ok();
+    let mut processors: Vec<(usize, PathBuf)> =
+        folders.into_iter().filter_map(|(name, p)| Some((number(&name)?, p))).collect();
+    processors.sort();
+    processors
+}
+
 /// Finds the mesh that `path` stands for: a polyMesh folder or a file in it, a folder above it, or a case.
 pub(super) fn locate(path: &Path) -> Result<Located, IoError> {
     let path = match path.parent() {
@@ -69,11 +79,7 @@ pub(super) fn locate(path: &Path) -> Result<Located, IoError> {
         return Ok(Located::Whole(found));
     }
     let folders = folders(path)?;
-    let mut processors: Vec<(usize, &Path)> = folders
-        .iter()
-        .filter_map(|(name, p)| Some((name.strip_prefix("processor")?.parse().ok()?, p.as_path())))
-        .collect();
-    processors.sort();
+    let processors = processors(path);
     if processors.is_empty() {
         let regions = regions(path);
         let remedy = if folders.iter().any(|(name, _)| name.starts_with("processors")) {
@@ -86,13 +92,15 @@ pub(super) fn locate(path: &Path) -> Result<Located, IoError> {
                 regions.join(", ")
             )
         } else {
-            "give a case folder, its constant or time folder, a polyMesh folder, or a processorN folder".to_string()
+            "give a case folder, its constant folder, a time folder that holds a polyMesh, a polyMesh folder, or a processorN \
+             folder"
+                .to_string()
         };
         return Err(IoError::content(path, Position::File, "no polyMesh was found here", remedy));
     }
     let mut meshes = Vec::with_capacity(processors.len());
     for (expected, (number, folder)) in processors.into_iter().enumerate() {
-        let found = (number == expected).then(|| mesh_below(folder)).flatten();
+        let found = (number == expected).then(|| mesh_below(&folder)).flatten();
         meshes.push(found.ok_or_else(|| {
             IoError::content(
                 path.join(format!("processor{expected}")),

@@ -7,6 +7,7 @@
 mod boundary;
 mod case_order;
 mod decomposed;
+mod decomposed_cloud;
 mod fields;
 mod header;
 mod lagrangian;
@@ -16,6 +17,7 @@ mod poly_mesh;
 mod stream;
 
 pub use case_order::has_case_order;
+pub(crate) use decomposed_cloud::{parts_of_cloud, read_parts};
 pub use fields::{
     Dimensions, FieldEncoding, InternalField, InternalValues, VolField, read_internal_field, write_vol_field,
 };

@@ -104,7 +104,12 @@ impl Case {
     pub fn read(path: &Path) -> Result<Self, SphError> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|e| {
-            let message = format!("cannot be read: {e}; `fieldstone sph new` writes a case to start from");
+            let remedy = if path.as_os_str() == "-" {
+                "for standard input give /dev/stdin"
+            } else {
+                "`fieldstone sph new` writes a case to start from"
+            };
+            let message = format!("cannot be read: {e}; {remedy}");
             SphError::Case { file: file.clone(), line: 1, message }
         })?;
         Self::parse(&text, &file)

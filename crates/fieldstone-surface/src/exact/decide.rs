@@ -61,8 +61,12 @@ impl UnitDirections {
     #[inline(always)]
     pub(crate) fn nearest(&self, m: DVec3) -> f64 {
         let mut best = [-1.0f64; LANES];
-        let lanes = self.x.chunks_exact(LANES).zip(self.y.chunks_exact(LANES)).zip(self.z.chunks_exact(LANES));
-        for ((x, y), z) in lanes {
+        // By index: zipped iterators are not inlined where this is used often, and cost more than the numbers.
+        let (xs, ys, zs) =
+            (self.x.as_chunks::<LANES>().0, self.y.as_chunks::<LANES>().0, self.z.as_chunks::<LANES>().0);
+        let (ys, zs) = (&ys[..xs.len()], &zs[..xs.len()]);
+        for k in 0..xs.len() {
+            let (x, y, z) = (&xs[k], &ys[k], &zs[k]);
             for l in 0..LANES {
                 let dot = x[l] * m.x + y[l] * m.y + z[l] * m.z;
                 best[l] = if dot > best[l] { dot } else { best[l] };

@@ -5,7 +5,9 @@ use std::str::FromStr;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{ParticleOptions, read_frame_with_warnings, read_mesh};
+use fieldstone::io::{
+    FrameRange, ParticleOptions, Series, find_files, find_times, read_frame_with_warnings, read_mesh,
+};
 use fieldstone::mesh::{Grid, Mesh};
 use fieldstone::particles::{Domain, Particles};
 
@@ -150,8 +152,8 @@ pub(crate) fn check_memory(cells: u64, bytes_per_cell: u64, available: Option<u6
 #[derive(Debug, Args)]
 pub(crate) struct ParticleArguments {
     /// Particles: LIGGGHTS or LAMMPS dump, CSV, VTK (.vtu, .vtp, .vtk), MercuryDPM .data, XYZ, OpenFOAM positions;
-    /// .gz too
-    #[arg(long, value_name = "FILE")]
+    /// .gz too. A pattern in quotes or a .pvd for several, of which --frame takes one
+    #[arg(long, value_name = "FILE|PATTERN")]
     pub particles: PathBuf,
     /// Radius of all particles, in the file's unit of length, instead of the file's own
     #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true, conflicts_with = "diameter")]
@@ -159,7 +161,7 @@ pub(crate) struct ParticleArguments {
     /// Diameter of all particles, in the file's unit of length, instead of the file's own
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub diameter: Option<f64>,
-    /// Frame to take from a file of several, from 0; negative counts from the end
+    /// Frame to take where there are several, from 0; negative counts from the end
     #[arg(long, value_name = "K", default_value_t = -1, allow_negative_numbers = true)]
     pub frame: i64,
     /// Treat superquadrics, ellipsoids and members of clumps as balls of the radius that the file gives
@@ -168,9 +170,35 @@ pub(crate) struct ParticleArguments {
 }
 
 impl ParticleArguments {
+    /// The files that the name stands for.
+    pub fn files(&self) -> anyhow::Result<Vec<PathBuf>> {
+        // A name that is no text is no pattern either.
+        Ok(self.particles.to_str().map_or_else(|| Ok(vec![self.particles.clone()]), find_files)?)
+    }
+
+    /// The one frame that is asked for, of a file, or of all files one after the other.
+    fn frame_with_warnings(&self, options: &ParticleOptions) -> anyhow::Result<(Particles, Vec<String>)> {
+        let files = self.files()?;
+        if let [file] = files.as_slice()
+            && *file == self.particles
+        {
+            return Ok(read_frame_with_warnings(file, options, self.frame)?);
+        }
+        let range: FrameRange = self.frame.to_string().parse()?;
+        let times = find_times(&self.particles.to_string_lossy())?;
+        let mut series = Series::new(files.clone(), *options).with_times(times).with_range(range);
+        match series.next() {
+            Some(frame) => Ok((frame?.particles, series.warnings())),
+            None => {
+                let count = Series::new(files, *options).count_frames()?;
+                bail!("--particles {}: {}; check --frame", self.particles.display(), range.why_empty(count))
+            }
+        }
+    }
+
     pub fn read(&self) -> anyhow::Result<Particles> {
         let options = ParticleOptions { allow_non_spherical: self.allow_non_spherical };
-        let (particles, warnings) = read_frame_with_warnings(&self.particles, &options, self.frame)?;
+        let (particles, warnings) = self.frame_with_warnings(&options)?;
         let given = self.radius.or(self.diameter.map(|d| 0.5 * d));
         let particles = match given {
             Some(radius) => {

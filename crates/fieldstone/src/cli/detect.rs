@@ -15,9 +15,9 @@ use fieldstone::surface::{
 use serde::Serialize;
 
 use super::arguments::{ending, positive};
-use super::report;
 use super::sph_frames::{NumberedOutput, SphArguments, written};
 use super::timing::Timing;
+use super::{outputs, report};
 
 /// Free-surface particles of smoothed particle hydrodynamics
 ///
@@ -54,7 +54,9 @@ pub(crate) struct Detect {
     /// Distance from the free surface that counts as its vicinity, in spacings
     #[arg(long, value_name = "V", default_value_t = 4.0, value_parser = positive, allow_negative_numbers = true)]
     vicinity: f64,
-    /// Add exposure and exposure_axis
+    /// Add exposure and exposure_axis: some hundred times as long as the detection
+    ///
+    /// About 0.2 ms of one core per particle of a disordered flow, 0.6 ms on a lattice.
     #[arg(long)]
     exposure: bool,
     /// Leave level and normal out
@@ -64,6 +66,8 @@ pub(crate) struct Detect {
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON: of a list of frames where --out holds {}
+    ///
+    /// - is standard output, and the report then goes to standard error.
     ///
     /// Keys of each frame: frame, file, particles, boundary, spacing, method, free_surface, isolated, duplicates, seconds
     /// with read, detect, fields, write; comparison with method, seconds, free_surface, reference, misses,
@@ -123,7 +127,7 @@ impl Detect {
             text += &comparison_table(summary, summaries.len() > 1);
         }
         let _ = writeln!(text, "written to           {}", written(&paths));
-        report::print(&text)
+        outputs::report_beside(self.json.as_deref(), &text)
     }
 
     fn check(&self, out: &NumberedOutput) -> anyhow::Result<()> {

@@ -1,5 +1,6 @@
 //! `fieldstone fraction`: the solid fraction of every cell.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,7 +13,7 @@ use fieldstone::fields::{
 };
 use fieldstone::io::openfoam::{Dimensions, FieldEncoding, VolField, write_vol_field};
 use fieldstone::io::vtk::{self, VtkArrays, VtkEncoding};
-use fieldstone::io::{AtomicFile, DataArray, IoError, write_csv};
+use fieldstone::io::{DataArray, IoError, write_csv};
 use fieldstone::mesh::{Cells, Grid, Mesh};
 use fieldstone::particles::{Domain, Particles};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -55,7 +56,7 @@ pub(crate) struct Fraction {
     /// A time folder gets fields only where the mesh is that of its case at that time: of a moving mesh give --mesh CASE/TIME.
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
-    /// Also write the summary as JSON
+    /// Also write the summary as JSON; - is standard output, and the report then goes to standard error
     ///
     /// Keys: particles, cells, mesh_volume, particle_volume, binned_volume, clipped_volume (below 0 where volume is counted
     /// twice), max_solid_fraction before smoothing and cap, max_written_fraction after them, cells_above_one, inverted_cells,
@@ -158,7 +159,7 @@ impl Fraction {
         if self.verbose {
             let _ = write!(text, "\n{}", timing.table());
         }
-        report::print(&text)
+        outputs::report_beside(self.json.as_deref(), &text)
     }
 
     /// Why there may be more solid in a cell than it has room for.
@@ -187,7 +188,9 @@ impl Fraction {
     /// Where results go, with everything refused that would fail or do harm later.
     fn target(&self) -> anyhow::Result<Target<'_>> {
         let target = Target::new(&self.out, &self.cells)?;
-        let mut inputs: Vec<&Path> = vec![&self.particles.particles];
+        let files = self.particles.files()?;
+        let mut inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        inputs.push(&self.particles.particles);
         inputs.extend(self.cells.mesh.as_deref());
         match &target {
             Target::TimeFolder(path) => outputs::check_folder("--out", path)?,
@@ -196,7 +199,7 @@ impl Fraction {
         }
         if let Some(path) = &self.json {
             inputs.push(&self.out);
-            outputs::check("--json", path, &inputs)?;
+            outputs::check_json(path, &inputs)?;
         }
         Ok(target)
     }
@@ -344,9 +347,7 @@ pub(crate) fn write_summary(path: &Path, outcome: &Outcome, inverted: usize, tim
         overlaps: ledger.overlaps,
         beyond_f64: ledger.beyond_f64,
     };
-    let text = serde_json::to_string_pretty(&summary)?;
-    AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
-    Ok(())
+    outputs::write_json(path, &summary)
 }
 
 /// Cell data in the order in which it is written.
@@ -443,24 +444,54 @@ const NAMED: usize = 5;
 
 /// Which cells are inside out, and what that does to the volumes.
 fn inside_out(mesh: &Mesh, name: &str) -> String {
-    let cells = mesh.inverted_cells();
-    let mut text = String::new();
-    if !cells.is_empty() {
-        let named: Vec<String> = cells.iter().take(NAMED).map(u32::to_string).collect();
-        let more = if cells.len() > NAMED { ", …" } else { "" };
-        let _ = write!(
-            text,
-            "{name}: {} cells are inside out (cells {}{more}, from 0): they count with their absolute volume, and what lies \
+    let twins = twins(mesh);
+    let inverted: Vec<String> =
+        mesh.inverted_cells().iter().filter(|cell| !twins.contains_key(cell)).map(u32::to_string).collect();
+    let more = |count: usize| if count > NAMED { ", …" } else { "" };
+    let mut parts = Vec::new();
+    if !twins.is_empty() {
+        let pairs = twins.iter().map(|(cell, first)| format!("cell {cell} has the corners of cell {first}"));
+        parts.push(format!(
+            "{} cells are listed twice ({}{}, from 0), and what lies in them is counted twice; list each once",
+            twins.len(),
+            pairs.take(NAMED).collect::<Vec<_>>().join(", "),
+            more(twins.len())
+        ));
+    }
+    if !inverted.is_empty() {
+        parts.push(format!(
+            "{} cells are inside out (cells {}{}, from 0): they count with their absolute volume, and what lies \
              in them and in the cells that they overlap is counted twice; mend the mesh",
-            cells.len(),
-            named.join(", ")
-        );
+            inverted.len(),
+            inverted[..inverted.len().min(NAMED)].join(", "),
+            more(inverted.len())
+        ));
     }
     if mesh.inverted_elements() > 0 {
-        let start = if text.is_empty() { format!("{name}: ") } else { "; ".into() };
-        let _ = write!(text, "{start}{} elements are listed inside out and were mirrored", mesh.inverted_elements());
+        parts.push(format!("{} elements are listed inside out and were mirrored", mesh.inverted_elements()));
     }
-    text
+    format!("{name}: {}", parts.join("; "))
+}
+
+/// Cells that share all their faces with one other cell, and that cell: the same, listed before. They come out as inside
+/// out, since the faces belong to the first.
+fn twins(mesh: &Mesh) -> BTreeMap<u32, u32> {
+    // None where there are several neighbours, or a boundary.
+    let mut partner: BTreeMap<u32, Option<u32>> = BTreeMap::new();
+    let inverted: BTreeSet<u32> = mesh.inverted_cells().iter().copied().collect();
+    let mut see = |cell: u32, other: Option<u32>| {
+        if inverted.contains(&cell) {
+            let known = partner.entry(cell).or_insert(other);
+            *known = known.filter(|_| *known == other);
+        }
+    };
+    let parts = mesh.parts();
+    for (face, &owner) in parts.owner.iter().enumerate() {
+        let neighbour = parts.neighbour.get(face).copied();
+        see(owner, neighbour);
+        neighbour.into_iter().for_each(|neighbour| see(neighbour, Some(owner)));
+    }
+    partner.into_iter().filter_map(|(cell, other)| Some((cell, other?))).collect()
 }
 
 /// `0`, `0.25`, `1e-3`: a folder that OpenFOAM takes for a time.

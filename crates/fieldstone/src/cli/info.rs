@@ -18,7 +18,7 @@ use super::report::{self, number};
 ///
 /// Meshes: cells by type, warped and concave cells, volumes, patches, zones, and results in a .vtu. Particles: frames,
 /// columns, box and size distribution. Grids (.vti): cells, spacing and results. Lists of files over time (.pvd), results over
-/// time (.stat), surfaces (.vtp), results on cells as a table (.csv). All in the file's units.
+/// time (.stat), surfaces (.vtp), results on cells and readings of gauges over time as tables (.csv). All in the file's units.
 #[derive(Debug, Args)]
 pub(crate) struct Info {
     /// Any file or folder that fieldstone reads
@@ -42,6 +42,10 @@ impl Info {
                 let table = CsvTable::read(&self.file)?;
                 if table.has("cell_volume") {
                     lines.table_of_cells(&table)?;
+                    return report::print(&lines.0);
+                }
+                if is_over_time(&table) {
+                    lines.table_over_time(&table)?;
                     return report::print(&lines.0);
                 }
             }
@@ -87,6 +91,11 @@ impl Info {
         }
         report::print(&lines.0)
     }
+}
+
+/// Whether a table holds readings over time, as `gauges.csv` of `sph run`, and neither particles nor cells.
+pub(crate) fn is_over_time(table: &CsvTable) -> bool {
+    table.has("time") && ["x", "r"].iter().all(|name| !table.has(name))
 }
 
 /// VTK's codes of triangles, strips of them, polygons, pixels and quadrilaterals.
@@ -182,6 +191,15 @@ impl Lines {
     /// Results on cells, a row each.
     fn table_of_cells(&mut self, table: &CsvTable) -> anyhow::Result<()> {
         self.add("cells, one a row", table.len());
+        for name in table.names() {
+            self.column("column", name, 1, &table.column(name)?);
+        }
+        Ok(())
+    }
+
+    /// Readings over time, a row each, as `sph run` writes those of gauges.
+    fn table_over_time(&mut self, table: &CsvTable) -> anyhow::Result<()> {
+        self.add("times, one a row", table.len());
         for name in table.names() {
             self.column("column", name, 1, &table.column(name)?);
         }

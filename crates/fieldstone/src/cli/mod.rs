@@ -22,9 +22,12 @@ mod sph_frames;
 mod surface;
 mod timing;
 
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::ExitCode;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 /// Turns particles into fields, exactly.
@@ -73,7 +76,21 @@ enum Command {
 }
 
 pub(crate) fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // What is no option may be the name of a file.
+            let taken = std::env::args_os().skip(1).find(|word| begins_as_an_option(word) && Path::new(word).is_file());
+            match taken.filter(|_| error.kind() == ErrorKind::UnknownArgument) {
+                Some(file) => {
+                    let name = file.display();
+                    report::fail(&anyhow!("{name} is taken for an option; for the file of this name write ./{name}"));
+                }
+                None => error.exit(),
+            }
+            return ExitCode::from(2);
+        }
+    };
     match execute(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -81,6 +98,10 @@ pub(crate) fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn begins_as_an_option(word: &OsStr) -> bool {
+    word.as_encoded_bytes().starts_with(b"-")
 }
 
 fn execute(cli: Cli) -> anyhow::Result<()> {

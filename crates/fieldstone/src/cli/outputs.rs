@@ -3,20 +3,59 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use fieldstone::io::openfoam;
+use fieldstone::io::{AtomicFile, openfoam};
 use fieldstone::mesh::{Cells, Mesh};
+
+use serde::Serialize;
 
 use super::report;
 
 /// Checks that a file can be written as `path`, which the user gave as `option`, and is none of the run's other files.
 pub(crate) fn check(option: &str, path: &Path, others: &[&Path]) -> anyhow::Result<()> {
     let shown = path.display();
+    if is_standard(path) {
+        bail!(
+            "{option} -: this would be a file of that name; give one (./- for this), or /dev/stdout for standard output"
+        );
+    }
+    // Commands that number their results ask with a number in its place.
+    if path.file_name().is_some_and(|name| name.to_string_lossy().contains("{}")) {
+        bail!("{option} {shown}: this is one file, and {{}} in its name would stay as it is; leave it out");
+    }
     check_folder(option, path)?;
     if path.is_dir() {
         bail!("{option} {shown}: this is a folder; give the name of a file");
     }
     if others.iter().any(|other| is_same(path, other)) {
         bail!("{option} {shown}: this would overwrite another file of this run; choose another name");
+    }
+    Ok(())
+}
+
+/// Whether a name stands for standard output.
+fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Checks that a summary can be written to `path`, which is standard output where that is `-`.
+pub(crate) fn check_json(path: &Path, others: &[&Path]) -> anyhow::Result<()> {
+    if is_standard(path) { Ok(()) } else { check("--json", path, others) }
+}
+
+/// Writes a summary as JSON: to a file, or for `-` to standard output, where [`report_beside`] then writes nothing.
+pub(crate) fn write_json(path: &Path, summary: &impl Serialize) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(summary)?;
+    if is_standard(path) {
+        return report::print(&format!("{text}\n"));
+    }
+    Ok(AtomicFile::write(path, |file| writeln!(file, "{text}"))?)
+}
+
+/// Prints the report of a run: to standard output, or to standard error where the summary has that for itself.
+pub(crate) fn report_beside(json: Option<&Path>, text: &str) -> anyhow::Result<()> {
+    match json {
+        Some(path) if is_standard(path) => report::note(text),
+        _ => report::print(text)?,
     }
     Ok(())
 }

@@ -143,7 +143,8 @@ impl OverlapCases {
             let result = certified.overlap;
             let mut numbers = vec![result.volume, result.sphere_area];
             numbers.extend(result.face_areas);
-            numbers.extend(result.gradient);
+            // A ball that reaches nothing has a gradient of zero, of either sign.
+            numbers.extend(result.gradient.map(|x| x + 0.0));
             if self.bound {
                 numbers.push(certified.volume_error);
             }
@@ -185,6 +186,7 @@ impl OverlapCases {
         let mesh = Mesh::from_cells(points, cells)?;
         let one = Particles::new(vec![ball.centre()])?.with_uniform_radius(ball.radius())?;
         let weights = Weights::build(&mesh, &one, self.method, None)?;
-        Ok(weights.row(0).1.iter().sum())
+        // From 0.0: the sum of nothing is -0.0.
+        Ok(weights.row(0).1.iter().fold(0.0, |sum, volume| sum + volume))
     }
 }

@@ -42,6 +42,11 @@ pub(crate) fn warn(message: &str) {
     let _ = writeln!(stderr(), "warning: {message}");
 }
 
+/// Prints to standard error what standard output has no place for.
+pub(crate) fn note(text: &str) {
+    let _ = stderr().write_all(text.as_bytes());
+}
+
 /// The ledger as the lines that every run prints.
 pub(crate) fn ledger(fields: &SolidFraction, inverted_cells: usize) -> String {
     let ledger = &fields.ledger;

@@ -8,7 +8,6 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
-use fieldstone::io::AtomicFile;
 use fieldstone::sph::{Case, FluidOptions, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver, sound_speed_bound};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -51,7 +50,7 @@ struct New {
 struct Check {
     /// The case (.toml)
     case: PathBuf,
-    /// Write the figures as JSON, too
+    /// Write the figures as JSON, too; - is standard output, and the report then goes to standard error
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -113,7 +112,7 @@ struct Figures {
 impl Check {
     fn run(self) -> anyhow::Result<()> {
         if let Some(path) = &self.json {
-            outputs::check("--json", path, &[&self.case])?;
+            outputs::check_json(path, &[&self.case])?;
         }
         let case = Case::read(&self.case)?;
         let figures = measure(&case)?;
@@ -141,10 +140,9 @@ impl Check {
             },
         );
         if let Some(path) = &self.json {
-            let json = serde_json::to_string_pretty(&figures)?;
-            AtomicFile::write(path, |out| writeln!(out, "{json}"))?;
+            outputs::write_json(path, &figures)?;
         }
-        report::print(&text)
+        outputs::report_beside(self.json.as_deref(), &text)
     }
 }
 

@@ -132,6 +132,27 @@ pub(super) fn finite(option: &str, column: &Quantity, fluid: Option<&[bool]>, fi
     )
 }
 
+/// Values of a column that are named.
+const NAMED: usize = 8;
+
+/// Which values occur in a column.
+pub(super) fn values(column: &[f64]) -> String {
+    let mut found = column.to_vec();
+    found.sort_unstable_by(f64::total_cmp);
+    found.dedup();
+    match found.as_slice() {
+        [] => "the column holds no value".into(),
+        [one] => format!("all have {}", number(*one)),
+        few if few.len() <= NAMED => {
+            let named: Vec<String> = few.iter().map(|&x| number(x)).collect();
+            format!("there are {}", named.join(", "))
+        }
+        [least, .., largest] => {
+            format!("there are {} values from {} to {}", found.len(), number(*least), number(*largest))
+        }
+    }
+}
+
 /// Refuses a spacing that cannot be the particles': `measured` is their own distance.
 pub(super) fn spacing(given: f64, measured: f64, file: &str) -> anyhow::Result<()> {
     let ratio = given / measured;

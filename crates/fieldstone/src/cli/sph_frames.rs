@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use fieldstone::io::{
-    AtomicFile, BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files, find_times,
-};
+use fieldstone::io::{BackgroundSeries, FrameRange, ParticleOptions, Series, SeriesFrame, find_files, find_times};
 use fieldstone::particles::{Domain, Particles};
 use fieldstone::surface::{Surroundings, Wall, estimate_spacing};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -192,7 +190,7 @@ impl SphArguments {
         if dimension == 2 {
             sph_checks::in_plane(particles.positions(), &file.to_string())?;
         }
-        let candidates = self.candidates(particles).map_err(|e| anyhow!("{file}: {e}"))?;
+        let candidates = self.candidates(frame).map_err(|e| anyhow!("{file}: {e}"))?;
         let spacing = match self.spacing {
             Some(spacing) => spacing,
             None => {
@@ -277,10 +275,11 @@ impl SphArguments {
         Ok(axes.contains(&true).then(|| domain.with_periodic(axes)))
     }
 
-    fn candidates(&self, particles: &Particles) -> anyhow::Result<Option<Vec<bool>>> {
+    fn candidates(&self, frame: &SeriesFrame) -> anyhow::Result<Option<Vec<bool>>> {
         if self.boundary.is_empty() {
             return Ok(None);
         }
+        let particles = &frame.particles;
         let mut fluid = vec![true; particles.len()];
         for Boundary { field, value } in &self.boundary {
             let column = particles.column(field).map_err(|e| anyhow!("--boundary {field}: {e}"))?;
@@ -293,6 +292,14 @@ impl SphArguments {
             }
             for (fluid, found) in fluid.iter_mut().zip(&column.data) {
                 *fluid &= found != value;
+            }
+            // A frame of a series may be without boundary, so this is no error.
+            if !column.data.is_empty() && !column.data.contains(value) {
+                let name = frame.path.display();
+                report::warn(&format!(
+                    "--boundary {field}={value}: {name}: no particle has this value, so none of them is boundary by it; {}",
+                    sph_checks::values(&column.data)
+                ));
             }
         }
         if !fluid.is_empty() && !fluid.contains(&true) {
@@ -363,18 +370,17 @@ impl NumberedOutput {
     pub fn check_with_json(&self, others: &[&Path], json: Option<&Path>) -> anyhow::Result<()> {
         let Some(json) = json else { return self.check(others) };
         let first = self.at(0);
-        outputs::check("--json", json, &[others, &[first.as_path()]].concat())?;
+        outputs::check_json(json, &[others, &[first.as_path()]].concat())?;
         self.check(&[others, &[json]].concat())
     }
 
     /// Writes what is known of each frame as JSON, where asked for: one object, or a list where there may be many.
     pub fn write_json<T: Serialize>(&self, json: Option<&Path>, summaries: &[T]) -> anyhow::Result<()> {
         let Some(path) = json else { return Ok(()) };
-        let text = match summaries {
-            [one] if !self.is_numbered() => serde_json::to_string_pretty(one)?,
-            all => serde_json::to_string_pretty(all)?,
-        };
-        Ok(AtomicFile::write(path, |file| writeln!(file, "{text}"))?)
+        match summaries {
+            [one] if !self.is_numbered() => outputs::write_json(path, one),
+            all => outputs::write_json(path, &all),
+        }
     }
 
     /// Refuses a second frame for one file.

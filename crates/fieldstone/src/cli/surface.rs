@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::arguments::{ending, positive};
 use super::fluid::{FluidArguments, nodes};
 use super::sph_frames::{NumberedOutput, SphArguments, written};
-use super::{report, sph_checks};
+use super::{outputs, report, sph_checks};
 
 /// The surface of the fluid as triangles: watertight, manifold, with normals
 ///
@@ -43,6 +43,8 @@ pub(crate) struct Surface {
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// Also write the summary as JSON: of a list of frames where --out holds {}
+    ///
+    /// - is standard output, and the report then goes to standard error.
     ///
     /// Keys of each frame: frame, file, particles, particle_volume, volume, area, points, triangles, parts, closed, manifold,
     /// euler_characteristic, open_edges, seconds.
@@ -87,7 +89,7 @@ impl Surface {
             all => frame_table(all),
         };
         let _ = writeln!(text, "written to           {}", written(&paths));
-        report::print(&text)
+        outputs::report_beside(self.json.as_deref(), &text)
     }
 
     fn check(&self, out: &NumberedOutput) -> anyhow::Result<()> {

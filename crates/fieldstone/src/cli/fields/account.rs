@@ -6,10 +6,10 @@ use std::path::Path;
 use fieldstone::fields::{
     CoarseGrainingLedger, CoarseGrainingOptions, ContactForm, FieldName, Fields, Function, Method,
 };
-use fieldstone::io::AtomicFile;
 use serde::Serialize;
 
 use super::binned::Found;
+use crate::cli::outputs;
 use crate::cli::report::{ROUNDING, clipped, counted_twice, number, repeats};
 
 /// Share of the mass by which samples of kernels may be off before it is worth a warning.
@@ -171,9 +171,7 @@ impl Account {
             contacts: self.seen.contacts.unwrap_or(0),
             cells: self.cells,
         };
-        let text = serde_json::to_string_pretty(&json)?;
-        AtomicFile::write(path, |out| writeln!(out, "{text}"))?;
-        Ok(())
+        outputs::write_json(path, &json)
     }
 
     /// What the user should know of sums that are not what they should be.

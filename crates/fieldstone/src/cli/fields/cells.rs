@@ -5,7 +5,8 @@ use fieldstone::io::read_mesh;
 use fieldstone::mesh::{Cells, Coordinates, CylinderGrid, Grid, Mesh};
 use fieldstone::particles::Particles;
 
-use super::settings::Settings;
+use super::frames::Frame;
+use super::settings::{Numbers, Settings};
 use crate::cli::arguments::{Periodic, available_memory, check_memory};
 
 /// Bytes that a cell takes while its numbers are computed: the sums, the fields that come of them, and a copy while they
@@ -22,7 +23,8 @@ pub(super) enum CellSet {
 }
 
 impl CellSet {
-    /// The cells that the settings ask for; bounds that they leave out are those of the first frame's box.
+    /// The cells that the settings ask for; bounds that they leave out are those of the first frame's box, else of its
+    /// particles ([`over_particles`]).
     ///
     /// `columns` is the number of numbers per cell that will be held.
     pub fn new(settings: &Settings, first: &Particles, periodic: Periodic, columns: usize) -> anyhow::Result<Self> {
@@ -117,26 +119,8 @@ fn counts(settings: &Settings, names: &[&str]) -> anyhow::Result<Vec<usize>> {
 }
 
 fn cylinder(settings: &Settings, name: &str, first: &Particles) -> anyhow::Result<CylinderGrid> {
-    let axis = match settings.axis.as_deref().unwrap_or("z") {
-        "x" => 0,
-        "y" => 1,
-        "z" => 2,
-        other => bail!("--axis {other}: choose x, y or z"),
-    };
-    let (low, high) = bounds_of(first)?;
-    let across = [(axis + 1) % 3, (axis + 2) % 3];
-    let origin = match &settings.origin {
-        Some(origin) => origin.exactly("origin")?,
-        None => std::array::from_fn(|k| if k == axis { low[k] } else { 0.5 * (low[k] + high[k]) }),
-    };
-    let [r0, r1, z0, z1] = match &settings.grid {
-        Some(bounds) => bounds.exactly("grid")?,
-        None => {
-            let radius =
-                across.map(|k| (high[k] - origin[k]).min(origin[k] - low[k])).into_iter().fold(f64::MAX, f64::min);
-            [0.0, radius, low[axis] - origin[axis], high[axis] - origin[axis]]
-        }
-    };
+    let axis = axis_of(settings)?;
+    let (origin, [r0, r1, z0, z1]) = cylinder_bounds(settings, axis, first)?;
     let cells = match name {
         "R" => [counts(settings, &["r"])?[0], 1, 1],
         "RZ" => {
@@ -149,6 +133,72 @@ fn cylinder(settings: &Settings, name: &str, first: &Particles) -> anyhow::Resul
         }
     };
     CylinderGrid::new(axis, origin, [r0, r1], [z0, z1], cells).map_err(|e| anyhow!("--grid, --cells, --origin: {e}"))
+}
+
+fn axis_of(settings: &Settings) -> anyhow::Result<usize> {
+    match settings.axis.as_deref().unwrap_or("z") {
+        "x" => Ok(0),
+        "y" => Ok(1),
+        "z" => Ok(2),
+        other => bail!("--axis {other}: choose x, y or z"),
+    }
+}
+
+/// A point on the axis, and RMIN, RMAX, ZMIN, ZMAX from there: as given, else as the first frame's box has them.
+fn cylinder_bounds(settings: &Settings, axis: usize, first: &Particles) -> anyhow::Result<([f64; 3], [f64; 4])> {
+    let given = settings.grid.as_ref().map(|bounds| bounds.exactly("grid")).transpose()?;
+    let origin = settings.origin.as_ref().map(|origin| origin.exactly("origin")).transpose()?;
+    if let (Some(given), Some(origin)) = (given, origin) {
+        return Ok((origin, given));
+    }
+    let (low, high) = bounds_of(first)?;
+    let middle = || std::array::from_fn(|k| if k == axis { low[k] } else { 0.5 * (low[k] + high[k]) });
+    let origin = origin.unwrap_or_else(middle);
+    let across = [(axis + 1) % 3, (axis + 2) % 3];
+    let bounds = given.unwrap_or_else(|| {
+        let radius = across.map(|k| (high[k] - origin[k]).min(origin[k] - low[k])).into_iter().fold(f64::MAX, f64::min);
+        [0.0, radius, low[axis] - origin[axis], high[axis] - origin[axis]]
+    });
+    Ok((origin, bounds))
+}
+
+/// The settings with the bounds that the first frame's particles take up, where neither the settings nor a box say how far
+/// the cells reach; and what the user should know of that.
+///
+/// The particles of other frames may be anywhere else: these bounds belong to the result.
+pub(super) fn over_particles(settings: &Settings, first: &Frame) -> anyhow::Result<Option<(Settings, String)>> {
+    if settings.mesh.is_some() || settings.cells.is_none() || first.particles.domain().is_some() {
+        return Ok(None);
+    }
+    let mut laid = settings.clone();
+    let mut taken = Vec::new();
+    let text = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    if settings.is_cylindrical() {
+        let (origin, bounds) = cylinder_bounds(settings, axis_of(settings)?, &first.particles)?;
+        if settings.grid.is_none() {
+            taken.push(format!("--grid={}", text(&bounds)));
+        }
+        if settings.origin.is_none() {
+            taken.push(format!("--origin={}", text(&origin)));
+        }
+        laid.grid = Some(Numbers(bounds.into()));
+        laid.origin = Some(Numbers(origin.into()));
+    } else if settings.grid.is_none() {
+        let (low, high) = bounds_of(&first.particles)?;
+        let bounds: Vec<f64> = (0..3).flat_map(|k| [low[k], high[k]]).collect();
+        taken.push(format!("--grid={}", text(&bounds)));
+        laid.grid = Some(Numbers(bounds));
+    }
+    if taken.is_empty() {
+        return Ok(None);
+    }
+    let note = format!(
+        "{}: the files state no box, so the cells reach as far as the particles of this frame: {}; particles of other \
+         frames that are elsewhere are in no cell: give bounds that hold them all",
+        first.name,
+        taken.join(" ")
+    );
+    Ok(Some((laid, note)))
 }
 
 /// The bounds of a tilted box, but one period along the axes that count as periodic: the cells between them hold

@@ -26,11 +26,11 @@ use fieldstone::mesh::Cells;
 use fieldstone::particles::{Domain, Particles};
 
 use super::arguments::{Periodic, available_memory};
-use super::report;
+use super::{outputs, report};
 use account::{Account, Seen};
 use binned::MOST_TYPES;
 use body_force::body_forces;
-use cells::{CellSet, bytes_per_cell};
+use cells::{CellSet, bytes_per_cell, over_particles};
 use clock::Clock;
 use faces::FaceSums;
 use frames::{Frame, Outcome, OverTime, Plan, Source, compute, with_displacements};
@@ -71,7 +71,7 @@ impl FieldsCommand {
         let begin = Instant::now();
         let file = self.config.or(self.file);
         let settings = match &file {
-            Some(path) => self.settings.or(Settings::read(path)?),
+            Some(path) => self.settings.before(Settings::read(path)?),
             None => self.settings,
         };
         settings.check()?;
@@ -126,7 +126,11 @@ impl Run<'_> {
             self.leave_out_what_moves(&first.name);
         }
         self.species = self.species(&first)?;
-        let cells = CellSet::new(self.settings, &first.particles, self.periodic, self.columns())?;
+        let laid = over_particles(self.settings, &first)?;
+        let settings = laid.as_ref().map_or(self.settings, |(settings, _)| settings);
+        let cells = CellSet::new(settings, &first.particles, self.periodic, self.columns())?;
+        let (laid, note) = laid.unzip();
+        self.laid = laid;
         let job = Job { cells: &cells, first, series: &mut series, source, over_time };
         let keep = self.settings.face_fields.is_some();
         let parcels = self.options.parcel_weight.clone();
@@ -144,21 +148,23 @@ impl Run<'_> {
             }
             CellSet::Cylinder(grid) => self.on_cells(grid, None, job)?,
         };
-        series.warnings().iter().for_each(|warning| report::warn(warning));
+        // A run that is refused needs no more said of it.
+        note.iter().chain(series.warnings()).for_each(|warning| report::warn(warning));
         if let Some(warning) = account.warning() {
             report::warn(&warning);
         }
         if let Some(path) = &self.settings.json {
             account.write(path, begin.elapsed().as_secs_f64())?;
         }
-        report::print(&format!(
+        let text = format!(
             "{}{:<20} {:.2}\n{:<20} {}\n",
             account.text(),
             "seconds",
             begin.elapsed().as_secs_f64(),
             "written to",
             self.out.display()
-        ))
+        );
+        outputs::report_beside(self.settings.json.as_deref(), &text)
     }
 
     /// Takes the fields of motion out of those that are there where nothing else is asked for.
@@ -255,7 +261,8 @@ impl Run<'_> {
 
     /// Where the results go.
     fn writer<'b>(&'b self, cells: &'b CellSet) -> anyhow::Result<Writer<'b>> {
-        let echo = format!("{}{}", self.settings.echo()?, self.legend());
+        let settings = self.laid.as_ref().unwrap_or(self.settings);
+        let echo = format!("{}{}", settings.echo()?, self.legend());
         let mut writer = Writer::new(self.out, self.format, cells, echo, self.settings)?;
         let beside = [&self.settings.face_fields, &self.settings.to_particles];
         beside.into_iter().flatten().try_for_each(|path| writer.beside(path))?;

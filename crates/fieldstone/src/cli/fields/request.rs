@@ -27,6 +27,8 @@ pub(super) struct Run<'a> {
     pub periodic: Periodic,
     /// In place of the files' box.
     pub bounds: Option<Domain>,
+    /// The settings with bounds of the cells that the first frame's particles gave, where nothing else did.
+    pub laid: Option<Settings>,
     pub options: CoarseGrainingOptions,
     pub gravity: Option<[f64; 3]>,
     /// Types that get fields of their own.
@@ -39,9 +41,7 @@ impl<'a> Run<'a> {
     pub fn new(settings: &'a Settings, config: Option<&Path>) -> anyhow::Result<Self> {
         let particles = settings.particles.as_deref().ok_or_else(|| anyhow!("give the particles: --particles FILE"))?;
         let out = settings.out.as_deref().ok_or_else(|| anyhow!("give the result's name: --out OUT"))?;
-        let cylindrical =
-            matches!(settings.coordinates.as_deref().map(str::to_ascii_uppercase).as_deref(), Some("R" | "RZ" | "RTZ"));
-        let kind = match (&settings.mesh, cylindrical) {
+        let kind = match (&settings.mesh, settings.is_cylindrical()) {
             (Some(_), _) => CellKind::Mesh,
             (None, true) => CellKind::Cylinder,
             (None, false) => CellKind::Grid,
@@ -71,6 +71,7 @@ impl<'a> Run<'a> {
             range: FrameRange::default(),
             periodic: settings.periodic.as_deref().unwrap_or("auto").parse().map_err(|e| anyhow!("--periodic: {e}"))?,
             bounds: None,
+            laid: None,
             options: CoarseGrainingOptions::default(),
             gravity,
             species: Vec::new(),
@@ -208,18 +209,31 @@ impl<'a> Run<'a> {
 
 /// Refuses names of results that are those of other files of the run.
 fn check_names(settings: &Settings, out: &Path, kind: CellKind, inputs: &[&Path]) -> anyhow::Result<()> {
+    for (option, path) in [
+        ("--out", Some(out)),
+        ("--face-fields", settings.face_fields.as_deref()),
+        ("--to-particles", settings.to_particles.as_deref()),
+    ] {
+        let Some(name) = path.and_then(Path::file_name).map(|name| name.to_string_lossy()) else { continue };
+        if name.contains("{}") {
+            let series = if option == "--out" { ".pvd file, or a .stat file," } else { ".pvd file" };
+            bail!(
+                "{option} {}: names are not numbered here; give a {series} for a result of each frame, or leave out {{}} for one",
+                path.unwrap_or(out).display()
+            );
+        }
+    }
     outputs::check("--out", out, inputs)?;
     let mut taken = [inputs, &[out]].concat();
-    let sides = [
-        ("--face-fields", &settings.face_fields),
-        ("--to-particles", &settings.to_particles),
-        ("--json", &settings.json),
-    ];
-    for (option, path) in sides {
+    for (option, path) in [("--face-fields", &settings.face_fields), ("--to-particles", &settings.to_particles)] {
         if let Some(path) = path {
             outputs::check(option, path, &taken)?;
             taken.push(path);
         }
+    }
+    if let Some(path) = &settings.json {
+        outputs::check_json(path, &taken)?;
+        taken.push(path);
     }
     let cells_ending = if kind == CellKind::Mesh { ".vtu" } else { ".vti" };
     let lists = [

@@ -93,6 +93,33 @@ impl Visitor<'_> for TextOrNumber {
     }
 }
 
+/// Text with commas, or in TOML also a list of the words between them: `fields = ["density", "velocity"]`.
+fn text_or_texts<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    struct TextOrTexts;
+
+    impl<'de> Visitor<'de> for TextOrTexts {
+        type Value = Option<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a string or a list of strings")
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+            Ok(Some(text.into()))
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut words: Vec<String> = Vec::new();
+            while let Some(word) = list.next_element()? {
+                words.push(word);
+            }
+            Ok(Some(words.join(",")))
+        }
+    }
+
+    deserializer.deserialize_any(TextOrTexts)
+}
+
 impl<T: FromStr> FromStr for Numbers<T> {
     type Err = String;
 
@@ -306,9 +333,10 @@ pub(crate) struct Settings {
     /// Mesh: an OpenFOAM case or polyMesh folder, Gmsh .msh, VTK .vtu or .vtk
     #[arg(long, value_name = "MESH", conflicts_with_all = ["grid", "cells", "coordinates"])]
     pub mesh: Option<PathBuf>,
-    /// Bounds of the grid: XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [default: the box]
+    /// Bounds of the grid: XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [default: the box, else the first frame's particles]
     ///
-    /// The default for a tilted box is one period of it, upright, along its periodic axes. For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
+    /// The default for a tilted box is one period of it, upright, along its periodic axes. Where the files state no box, a warning
+    /// tells the bounds of the first frame's particles, and the settings that the result repeats hold them. For cylindrical coordinates RMIN,RMAX,ZMIN,ZMAX, heights along the axis from --origin.
     #[arg(long, value_name = "BOUNDS", allow_hyphen_values = true)]
     pub grid: Option<Numbers<f64>>,
     /// Cells of the grid along its resolved directions, or one number for all of them, e.g. 10,10,20 or 20
@@ -341,6 +369,7 @@ pub(crate) struct Settings {
     /// The default and all leave out what needs contacts or velocities where there are none, and all what needs spins. docs/coarse-graining.md has all names with
     /// their formulas.
     #[arg(long, value_name = "LIST")]
+    #[serde(deserialize_with = "text_or_texts")]
     pub fields: Option<String>,
     /// Field of any columns that the particles have; may be repeated
     ///
@@ -425,7 +454,7 @@ pub(crate) struct Settings {
     /// By the same overlaps that made the fields; fraction_in_cells is the part of a particle that lies in cells.
     #[arg(long, value_name = "FILE")]
     pub to_particles: Option<PathBuf>,
-    /// Also write the account as JSON
+    /// Also write the account as JSON; - is standard output, and the report then goes to standard error
     ///
     /// Keys: mass_in, mass_binned, mass_clipped, momentum_in, momentum_binned, stress_sum_contacts, stress_sum_fields,
     /// balance_residual, frames, seconds; particles, contacts, cells.
@@ -472,6 +501,23 @@ impl Settings {
         either!(particles restart density mass_column parcel_weight radius allow_non_spherical mesh grid cells coordinates axis origin
             function width cutoff conserve fields stress_form sign walls mean_velocity gravity species per_species radii region
             periodic bounds frames average smooth timestep out encoding face_fields to_particles json)
+    }
+
+    /// These settings of the command line before those of `file`, of which the kernel's go where the command line asks for
+    /// overlaps instead, and the cut-off where it asks for a kernel that has none.
+    pub fn before(self, mut file: Self) -> Self {
+        match self.function {
+            Some(FunctionName::Overlap(_)) => (file.width, file.cutoff, file.conserve) = (None, None, None),
+            Some(FunctionName::Kernel(shape)) if shape != KernelShape::Gauss => file.cutoff = None,
+            _ => {}
+        }
+        self.or(file)
+    }
+
+    /// Whether the cells lie around an axis.
+    pub fn is_cylindrical(&self) -> bool {
+        let name = self.coordinates.as_deref().map(str::to_ascii_uppercase);
+        matches!(name.as_deref(), Some("R" | "RZ" | "RTZ"))
     }
 
     /// What clap refuses on the command line may come from a file.

@@ -9,6 +9,7 @@ use fieldstone::mesh::{Cells, Mesh};
 
 use crate::cli::arguments::ending_of_input;
 use crate::cli::fields::mercury_name;
+use crate::cli::info::is_over_time;
 
 /// Cells that are all combinations of intervals along three coordinates.
 #[derive(Debug)]
@@ -265,6 +266,13 @@ fn from_stat(path: &Path, frame: i64) -> anyhow::Result<Table> {
 
 fn from_csv(path: &Path, field: &str) -> anyhow::Result<Table> {
     let table = CsvTable::read(path)?;
+    if is_over_time(&table) {
+        bail!(
+            "{}: this is a table over time, as gauges.csv of fieldstone sph run, and no field on cells: info tells its columns, \
+             and a program for tables plots them",
+            path.display()
+        );
+    }
     let axes = if table.has("angle") { ["r", "angle", "height"] } else { ["x", "y", "z"] };
     let mut places = vec![[0; 3]; table.len()];
     let mut centres: [Vec<f64>; 3] = Default::default();
