@@ -71,6 +71,7 @@ mod run;
 mod shifting;
 mod solver;
 mod spatial_order;
+mod stability;
 mod stage;
 mod state;
 mod surface_tension;

@@ -8,6 +8,7 @@ impl Case {
     pub(super) fn placed(&self, error: SphError) -> SphError {
         let (section, nth, key) = match &error {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
+            SphError::ViscousStep { .. } => ("time", 0, "viscous"),
             SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
             SphError::CutBody { body, .. } => ("body", *body, "shape"),
             SphError::Overlapping { second, .. } => ("body", *second, "shape"),

@@ -128,13 +128,12 @@ pub enum CaseIntegrator {
 pub struct TimeSection {
     /// When the run ends.
     pub end: f64,
-    /// CFL.
+    /// CFL; 0.25.
     #[serde(default = "cfl")]
     pub cfl: f64,
-    /// Factor of the viscous bound.
-    #[serde(default = "viscous")]
-    pub viscous: f64,
-    /// Factor of the capillary bound.
+    /// Factor of the viscous bound; 0.7 of the largest stable one.
+    pub viscous: Option<f64>,
+    /// Factor of the capillary bound; 0.25.
     #[serde(default = "cfl")]
     pub capillary: f64,
     /// Largest step.
@@ -146,10 +145,6 @@ pub struct TimeSection {
 
 fn cfl() -> f64 {
     0.25
-}
-
-fn viscous() -> f64 {
-    0.125
 }
 
 /// Shapes by name.
