@@ -433,3 +433,33 @@ fn a_front_along_a_period_is_refused() {
         assert!(error.contains("c.toml:23: along a periodic axis there is no front"), "{error}");
     }
 }
+
+#[test]
+fn without_gravity_there_is_none() {
+    let text = shipped("hydrostatic").text().to_string();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.retain(|line| !line.starts_with("gravity"));
+    let case = Case::parse(&lines.join("\n"), "c.toml").unwrap();
+    assert_eq!(case.flow().unwrap().fluid.gravity, [0.0; 3]);
+    assert_eq!(Case::parse(&case.to_toml().unwrap(), "c.toml").unwrap().sections, case.sections);
+}
+
+#[test]
+fn a_gauge_of_pressure_where_no_fluid_comes_is_refused() {
+    let with = |at: &str| {
+        let body = "[[body]]\nshape = \"box\"\nlow = [0.4, -0.2]\nhigh = [0.6, 0.3]\n[[wall]]\nkind = \"plane\"\npoint = [0.9, 0]\n\
+                    normal = [-1, 0]\n";
+        let low = fill([0.0, 0.0], [0.2, 0.5], "");
+        let text = still("[0, -9.81]", &(low + body)).replace("[[wall]]\nkind = \"tank\"\n", "");
+        Case::parse(&format!("{text}[[gauge]]\nname = \"p\"\nkind = \"pressure\"\nat = {at}\n"), "c.toml")
+            .and_then(|c| c.state())
+    };
+    let error = with("[0.5, 0.2]").unwrap_err().to_string();
+    assert!(error.contains("at is [0.5, 0.2], inside body 0, where there is no pressure to measure"), "{error}");
+    assert!(error.contains(": at is") && error.starts_with("c.toml:"), "{error}");
+    let error = with("[0.95, 0.2]").unwrap_err().to_string();
+    assert!(error.contains("at is [0.95, 0.2], behind wall 0"), "{error}");
+    for fine in ["[0.4, 0.2]", "[0.5, 0.3]", "[0.9, 0.1]", "[0.1, 0.1]"] {
+        with(fine).unwrap();
+    }
+}

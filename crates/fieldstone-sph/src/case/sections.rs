@@ -96,8 +96,8 @@ pub struct FluidSection {
     /// σ.
     #[serde(default)]
     pub surface_tension: f64,
-    /// g, 2 or 3 numbers.
-    pub gravity: Vec<f64>,
+    /// g, 2 or 3 numbers; none where absent.
+    pub gravity: Option<Vec<f64>>,
     /// Against tensile instability.
     #[serde(default)]
     pub tensile_control: bool,
