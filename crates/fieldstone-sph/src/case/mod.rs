@@ -2,6 +2,7 @@
 
 mod check;
 mod covered;
+mod fit;
 mod flows;
 mod keys;
 mod locate;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 use fieldstone_surface::{Method, SurfaceError, Wall};
 use serde::{Deserialize, Serialize};
 
+pub use fit::{BodyAtWall, FillBesideWall};
 pub use motion::MotionSection;
 pub use prepared::Prepared;
 pub use sections::{

@@ -24,7 +24,7 @@ impl Case {
     }
 
     /// Number of the section that a mirror wall comes from.
-    fn section_of_wall(&self, wall: usize) -> usize {
+    pub(super) fn section_of_wall(&self, wall: usize) -> usize {
         let walls = self.sections.wall.iter();
         let ends = walls.scan(0, |end, section| {
             *end += self.planes_of(section).len();
