@@ -61,7 +61,11 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
         ("high = [1.0, 0.5]", "high = [1.1, 0.5]", "c.toml:22: the fill leaves the domain at"),
         ("open = [\"y+\"]", "open = [\"up\"]", "c.toml:8: 'up' is no face"),
         ("gravity = [0.0, -9.81]", "gravity = [0.0]", "c.toml:16: 1 numbers were found; give 2"),
-        ("end = 10.0", "end = 10.0\ncfl = 7", "c.toml:20: the CFL number is 7; it must be above 0 and at most 4"),
+        (
+            "end = 10.0",
+            "end = 10.0\ncfl = 7",
+            "c.toml:20: the CFL number is 7; it must be above 0 and at most 2.1: beyond",
+        ),
         ("open = [\"y+\"]", "periodic = [\"z\"]", "c.toml:8: there is no z in two dimensions; give x or y"),
         ("open = [\"y+\"]", "periodic = [\"x\", \"x\"]", "c.toml:8: x is listed twice"),
         ("open = [\"y+\"]", "open = [\"y+\"]\nperiodic = [\"y\"]", "c.toml:9: y is periodic and has an open face"),
