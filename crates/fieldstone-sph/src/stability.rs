@@ -21,7 +21,7 @@ impl FluidOptions {
     /// over the neighbours at x_j, …, of a particle on a square lattice: the worst mode has its velocity along its wave vector, along an
     /// edge of the lattice. For h/Δx below 1.7 layers go against each other by turns.
     ///
-    /// Accuracy: 1e-4. Cost: some ten microseconds.
+    /// Accuracy: 1e-4. Cost: some tens of microseconds.
     ///
     /// ```
     /// use fieldstone_sph::FluidOptions;

@@ -572,6 +572,20 @@ impl GaugeSection {
         std::array::from_fn(|k| at.get(k).copied().unwrap_or(0.0))
     }
 
+    /// What it measures, in words: what a run that goes on has it compared by.
+    pub(crate) fn measured(&self) -> String {
+        let at = self.at.as_deref().unwrap_or_default();
+        match self.kind {
+            GaugeKind::Pressure => format!("the pressure at {at:?}"),
+            GaugeKind::Level => format!("the level at {at:?}"),
+            GaugeKind::Front => {
+                let way = self.axis.unwrap_or_default();
+                format!("the front along {}{}", if way.sign() < 0.0 { "-" } else { "" }, ["x", "y", "z"][way.axis()])
+            }
+            GaugeKind::Force => format!("the force on body {}", self.body.unwrap_or(0)),
+        }
+    }
+
     pub(super) fn check(&self, bodies: usize, low: &[f64], high: &[f64]) -> Result<(), Fault> {
         let (kind, takes): (_, &[&str]) = match self.kind {
             GaugeKind::Pressure => ("kind = \"pressure\"", &["at"]),
