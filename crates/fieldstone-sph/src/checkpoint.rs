@@ -6,14 +6,14 @@ use crate::solver::Snapshot;
 use crate::{Budget, Flow, MomentumBudget, Solver, SphError, State};
 
 const NAME: &[u8; 7] = b"FSTNSPH";
-pub(crate) const VERSION: u8 = 6;
+pub(crate) const VERSION: u8 = 7;
 
-/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget; and a checksum of the
-/// state that it began with.
+/// Everything a run needs to go on with the same bits: state, order, lists' positions, regions, time, budget; a checksum of the
+/// state that it began with; and what its gauges measure.
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 8 | `FSTNSPH`, version 6 |
+/// | 8 | `FSTNSPH`, version 7 |
 /// | 4 | CRC-32 of the numbers that describe the flow: fluid, boundaries, options; not of the time step, k_CFL, end time and output |
 /// | 4 | CRC-32 of the rest of the file |
 /// | rest | little-endian numbers |
@@ -26,7 +26,12 @@ impl Solver {
     /// # Errors
     /// [`SphError::Io`].
     pub fn write_checkpoint(&self, path: &Path) -> Result<(), SphError> {
-        let body = encoded(&self.snapshot());
+        self.write_checkpoint_with(path, "")
+    }
+
+    /// The same, with what the gauges of a run measure.
+    pub(crate) fn write_checkpoint_with(&self, path: &Path, gauges: &str) -> Result<(), SphError> {
+        let body = encoded(&self.snapshot(), gauges);
         AtomicFile::write(path, |out| {
             out.write_all(NAME)?;
             out.write_all(&[VERSION])?;
@@ -43,11 +48,11 @@ impl Solver {
     /// [`SphError::Checkpoint`]: no checkpoint, damaged, or of another flow; as [`Flow::validate`].
     pub fn read_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
         flow.validate()?;
-        Self::of_checkpoint(path, flow)
+        Ok(Self::of_checkpoint(path, flow)?.0)
     }
 
-    /// As [`read_checkpoint`](Self::read_checkpoint), with a flow that was validated.
-    pub(crate) fn of_checkpoint(path: &Path, flow: Flow) -> Result<Self, SphError> {
+    /// As [`read_checkpoint`](Self::read_checkpoint), with a flow that was validated; and what its gauges measure.
+    pub(crate) fn of_checkpoint(path: &Path, flow: Flow) -> Result<(Self, String), SphError> {
         let fault = |message: &str| SphError::Checkpoint { file: path.display().to_string(), message: message.into() };
         let bytes =
             std::fs::read(path).map_err(|e| fault(&format!("cannot be read: {e}; run without --resume first")))?;
@@ -74,12 +79,13 @@ impl Solver {
                  and the output may change",
             ));
         }
-        let snapshot = decoded(body).ok_or_else(|| fault("the checkpoint is too short or too long; start anew"))?;
-        Self::restored(flow, snapshot)
+        let (snapshot, gauges) =
+            decoded(body).ok_or_else(|| fault("the checkpoint is too short or too long; start anew"))?;
+        Ok((Self::restored(flow, snapshot)?, gauges))
     }
 }
 
-fn encoded(snapshot: &Snapshot) -> Vec<u8> {
+fn encoded(snapshot: &Snapshot, gauges: &str) -> Vec<u8> {
     let mut out = Vec::new();
     let Snapshot {
         state,
@@ -98,6 +104,7 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
     let mut word = |x: u64| out.extend_from_slice(&x.to_le_bytes());
     word(state.len() as u64);
     word(built_at.len() as u64);
+    word(gauges.len() as u64);
     word(*steps);
     word(u64::from(*lists_due));
     word(*order_due);
@@ -147,10 +154,11 @@ fn encoded(snapshot: &Snapshot) -> Vec<u8> {
         out.extend_from_slice(&id.to_le_bytes());
     }
     out.extend_from_slice(regions);
+    out.extend_from_slice(gauges.as_bytes());
     out
 }
 
-fn decoded(bytes: &[u8]) -> Option<Snapshot> {
+fn decoded(bytes: &[u8]) -> Option<(Snapshot, String)> {
     let mut rest = bytes;
     let mut word = || {
         let (head, tail) = rest.split_first_chunk::<8>()?;
@@ -159,8 +167,9 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     };
     let count = usize::try_from(word()?).ok()?;
     let built = usize::try_from(word()?).ok()?;
+    let said = usize::try_from(word()?).ok()?;
     // Before anything is allocated for numbers that are not there.
-    let expected = (10u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24;
+    let expected = (11u128 + 13 + 18) * 8 + count as u128 * (7 * 8 + 4 + 1) + built as u128 * 24 + said as u128;
     if bytes.len() as u128 != expected {
         return None;
     }
@@ -188,8 +197,10 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
     let (ids, regions) = rest.split_at_checked(4 * count)?;
     let id = ids.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
     let state = State { x, u, density, id };
+    let (regions, gauges) = regions.split_at_checked(count)?;
     let regions = regions.to_vec();
-    Some(Snapshot {
+    let gauges = String::from_utf8(gauges.to_vec()).ok()?;
+    let snapshot = Snapshot {
         state,
         regions,
         built_at,
@@ -202,5 +213,6 @@ fn decoded(bytes: &[u8]) -> Option<Snapshot> {
         order_due,
         budget,
         began,
-    })
+    };
+    Some((snapshot, gauges))
 }

@@ -18,6 +18,18 @@ pub enum SphError {
         /// The values that are accepted.
         allowed: &'static str,
     },
+    /// The viscous factor of the time step lets the fastest decay of velocities grow instead.
+    #[error(
+        "the viscous factor of the time step is {given}; it must be at most {limit:.4}, beyond which differences between neighbours grow with this integrator and kernel: leave it out for {default:.4}, or lessen it"
+    )]
+    ViscousStep {
+        /// The factor given.
+        given: f64,
+        /// The largest stable one, on the lattice.
+        limit: f64,
+        /// What it is where it is left out.
+        default: f64,
+    },
     /// Eq. 3: the speed of sound is too small for the expected flow, so the fluid would be compressible.
     #[error(
         "the speed of sound is {given}; for {cause} it must be at least {needed:.6} (Eq. 3: 10 max(√(p/ρ), U)); raise it, or the expected value is wrong"

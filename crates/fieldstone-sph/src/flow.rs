@@ -32,11 +32,11 @@ impl Flow {
     /// Checks every option.
     ///
     /// # Errors
-    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::TooNarrow`], [`SphError::ThinBody`],
+    /// [`SphError::Option`], [`SphError::SoundSpeed`], [`SphError::ViscousStep`], [`SphError::TooNarrow`], [`SphError::ThinBody`],
     /// [`SphError::CutBody`], [`SphError::Overlapping`].
     pub fn validate(&self) -> Result<(), SphError> {
         self.fluid.validate()?;
-        self.time_step.validate()?;
+        self.time_step.validate(&self.fluid)?;
         check(Parameter::ListMargin, self.skin, self.skin > 0.0 && self.skin <= 2.0, "above 0, at most 2")?;
         self.boundaries.validate(&self.fluid, self.fluid.kernel().reach() + self.skin * self.fluid.spacing)?;
         if let Some(shifting) = &self.shifting {

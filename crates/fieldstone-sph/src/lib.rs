@@ -71,6 +71,7 @@ mod run;
 mod shifting;
 mod solver;
 mod spatial_order;
+mod stability;
 mod stage;
 mod state;
 mod surface_tension;
@@ -80,9 +81,9 @@ pub use body::{Body, Shape};
 pub use boundaries::{Boundaries, MirrorWall, Slip};
 pub use boundary_forces::BoundaryForces;
 pub use case::{
-    AxisName, BodySection, Case, CaseIntegrator, DirectionName, DomainSection, FillSection, FlowName, FluidSection,
-    GaugeKind, GaugeSection, MotionSection, OutputSection, Prepared, Pressure, PressureName, SHIPPED, Sections,
-    ShapeName, ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
+    AxisName, BodyAtWall, BodySection, Case, CaseIntegrator, DirectionName, DomainSection, FillBesideWall, FillSection,
+    FlowName, FluidSection, GaugeKind, GaugeSection, MotionSection, OutputSection, Prepared, Pressure, PressureName,
+    SHIPPED, Sections, ShapeName, ShiftingSection, ShippedCase, SlipName, TimeSection, WallKind, WallSection,
 };
 pub use closed_surface::ClosedSurface;
 pub use energy::{Budget, Energies, MomentumBudget};

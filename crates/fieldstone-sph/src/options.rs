@@ -180,15 +180,28 @@ pub enum Integrator {
 ///
 /// $$ \Delta t = \min\left(\mathrm{CFL}\,\min\Big(\sqrt{h/a_{\max}},\ \frac{h}{\max(c_0, 10 u_{\max})}\Big),\
 ///    C_\nu \frac{h^2}{\nu},\ C_\sigma\sqrt{\frac{\rho_0 h^3}{2\pi\sigma}}\right) $$
+///
+/// ```
+/// use fieldstone_sph::{FluidOptions, TimeStepOptions};
+/// let fluid = FluidOptions::new(2, 0.01, 1.0, 0.0);
+/// let mut options = TimeStepOptions::default();
+/// assert!((options.viscous_factor(&fluid) - 0.0815).abs() < 1e-4);
+/// options.viscous = Some(0.125);
+/// let error = options.validate(&fluid).unwrap_err().to_string();
+/// assert!(error.starts_with("the viscous factor of the time step is 0.125; it must be at most 0.1165,"), "{error}");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeStepOptions {
     /// The integrator; symplectic.
     pub integrator: Integrator,
-    /// CFL, 0.25.
+    /// CFL, 0.25; at most 2.1, with Runge–Kutta 2.9.
+    ///
+    /// Beyond, waves of sound grow whatever damps them. In a dam break symplectic steps were unstable from 0.75 on, those of Runge and
+    /// Kutta from 2.5 on, and lost energy at 0.5 and 2.
     pub cfl: f64,
-    /// C_ν, 0.125.
-    pub viscous: f64,
-    /// C_σ, 0.25.
+    /// C_ν; where absent, 0.7 of the [largest stable one](Integrator::viscous_limit), which is the most that is allowed.
+    pub viscous: Option<f64>,
+    /// C_σ, 0.25; at most 4. Where it becomes unstable is not known: it hangs on the surface's shape.
     pub capillary: f64,
     /// Largest step allowed; none.
     pub largest: f64,
@@ -196,7 +209,7 @@ pub struct TimeStepOptions {
 
 impl Default for TimeStepOptions {
     fn default() -> Self {
-        Self { integrator: Integrator::Symplectic, cfl: 0.25, viscous: 0.125, capillary: 0.25, largest: f64::INFINITY }
+        Self { integrator: Integrator::Symplectic, cfl: 0.25, viscous: None, capillary: 0.25, largest: f64::INFINITY }
     }
 }
 
@@ -204,13 +217,25 @@ impl TimeStepOptions {
     /// Checks every number.
     ///
     /// # Errors
-    /// [`SphError::Option`].
-    pub fn validate(&self) -> Result<(), SphError> {
-        let factor = |parameter, x: f64| check(parameter, x, x > 0.0 && x <= 4.0, "above 0 and at most 4");
-        factor(Parameter::Cfl, self.cfl)?;
-        factor(Parameter::ViscousFactor, self.viscous)?;
-        factor(Parameter::CapillaryFactor, self.capillary)?;
+    /// [`SphError::Option`]; [`SphError::ViscousStep`] where the viscous step is unstable for the fluid's kernel.
+    pub fn validate(&self, fluid: &FluidOptions) -> Result<(), SphError> {
+        let (most, allowed) = self.integrator.cfl_limit();
+        check(Parameter::Cfl, self.cfl, self.cfl > 0.0 && self.cfl <= most, allowed)?;
+        if let Some(given) = self.viscous {
+            check(Parameter::ViscousFactor, given, given > 0.0 && given.is_finite(), "finite and above 0")?;
+            let limit = self.integrator.viscous_limit(fluid);
+            if given > limit {
+                return Err(SphError::ViscousStep { given, limit, default: self.integrator.viscous_default(fluid) });
+            }
+        }
+        let capillary = self.capillary;
+        check(Parameter::CapillaryFactor, capillary, capillary > 0.0 && capillary <= 4.0, "above 0 and at most 4")?;
         check(Parameter::LargestStep, self.largest, self.largest > 0.0, "above 0")
+    }
+
+    /// C_ν: the given one, or that of the integrator and the fluid's kernel.
+    pub fn viscous_factor(&self, fluid: &FluidOptions) -> f64 {
+        self.viscous.unwrap_or_else(|| self.integrator.viscous_default(fluid))
     }
 
     /// h/max(c₀, 10 u), the time in which sound crosses h.
@@ -225,10 +250,21 @@ impl TimeStepOptions {
 
     /// The time step for a largest speed and acceleration.
     pub fn step(&self, fluid: &FluidOptions, largest_speed: f64, largest_acceleration: f64) -> f64 {
+        self.step_with(self.viscous_factor(fluid), fluid, largest_speed, largest_acceleration)
+    }
+
+    /// The same with the [`viscous_factor`](Self::viscous_factor), which does not change from step to step.
+    pub(crate) fn step_with(
+        &self,
+        viscous_factor: f64,
+        fluid: &FluidOptions,
+        largest_speed: f64,
+        largest_acceleration: f64,
+    ) -> f64 {
         let h = fluid.h();
         let sound = Self::crossing(fluid, largest_speed);
         let force = (h / largest_acceleration).sqrt();
-        let viscous = self.viscous * h * h * fluid.density / fluid.dynamic_viscosity();
+        let viscous = viscous_factor * h * h * fluid.density / fluid.dynamic_viscosity();
         let capillary =
             self.capillary * (fluid.density * h.powi(3) / (2.0 * std::f64::consts::PI * fluid.surface_tension)).sqrt();
         (self.cfl * sound.min(force)).min(viscous).min(capillary).min(self.largest)

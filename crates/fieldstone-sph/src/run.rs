@@ -11,7 +11,7 @@ use fieldstone_io::{AtomicFile, IoError, write_number};
 use fieldstone_particles::{Particles, Quantity};
 
 use crate::gauges::{gauge_columns, gauge_row};
-use crate::{Boundaries, Case, Prepared, Solver, SphError};
+use crate::{Boundaries, Case, GaugeSection, Prepared, Solver, SphError};
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,14 @@ impl RunFolder {
         let begun = Self(folder.into());
         std::fs::metadata(begun.checkpoint()).map_err(|e| SphError::Checkpoint {
             file: begun.checkpoint().display().to_string(),
-            message: format!("cannot be read: {e}; run without --resume first, or give the run's folder with --out"),
+            message: if begun.frames().is_ok_and(|frames| !frames.is_empty()) {
+                format!(
+                    "cannot be read: {e}; the run that left particles here was stopped before its first checkpoint: remove \
+                     particles_*.vtp, then run without --resume, or give the run's folder with --out"
+                )
+            } else {
+                format!("cannot be read: {e}; run without --resume first, or give the run's folder with --out")
+            },
         })?;
         Ok(begun)
     }
@@ -91,6 +98,19 @@ impl RunFolder {
     /// The series.
     pub fn series(&self) -> PathBuf {
         self.0.join("particles.pvd")
+    }
+
+    /// Files that the series lists and that are not there; none where there is no series.
+    ///
+    /// # Errors
+    /// [`SphError::Io`] where the series cannot be read.
+    pub fn missing_frames(&self) -> Result<Vec<PathBuf>, SphError> {
+        if !self.series().exists() {
+            return Ok(Vec::new());
+        }
+        let listed = read_pvd(&self.series())?.into_iter();
+        let beside = listed.filter_map(|(_, file)| file.file_name().map(|name| self.0.join(name)));
+        Ok(beside.filter(|path| !path.exists()).collect())
     }
 
     /// The table of gauges.
@@ -138,10 +158,16 @@ impl Prepared<'_> {
         let case = self.case;
         let output = &case.sections.output;
         let end = case.sections.time.end;
-        let mut solver = if resume { self.resumed(folder)? } else { self.solver()? };
+        let (mut solver, measured) = if resume { self.resumed(folder)? } else { (self.solver()?, String::new()) };
         if resume && solver.time() >= end {
             return Ok(Outcome::Beyond(solver.time()));
         }
+        // A table that is begun anew may have others.
+        let goes_on = resume && folder.gauges().exists();
+        if goes_on {
+            same_gauges(&measured, &case.sections.gauge, &folder.gauges())?;
+        }
+        let measured = measured_by(&case.sections.gauge);
         // Of an attempt that this one replaces.
         if folder.failure().exists() {
             std::fs::remove_file(folder.failure()).map_err(|e| system(&folder.failure(), e))?;
@@ -152,6 +178,8 @@ impl Prepared<'_> {
         let mut frames = Schedule::new(output.every.unwrap_or(end / 50.0), &solver, resume);
         let mut rows = Schedule::new(output.gauges_every.unwrap_or(end / 500.0), &solver, resume);
         let mut last_checkpoint = Instant::now();
+        // What is in the checkpoint is of the old table's gauges.
+        let mut due = resume && !goes_on;
         loop {
             if frames.due(&solver) {
                 series.write(&solver)?;
@@ -162,10 +190,10 @@ impl Prepared<'_> {
             }
             let finished = solver.time() >= end;
             let stop = interrupt.load(Ordering::Relaxed);
-            if finished || stop || last_checkpoint.elapsed().as_secs_f64() >= output.checkpoint_every {
+            if finished || stop || due || last_checkpoint.elapsed().as_secs_f64() >= output.checkpoint_every {
                 gauges.flush()?;
-                solver.write_checkpoint(&folder.checkpoint())?;
-                last_checkpoint = Instant::now();
+                solver.write_checkpoint_with(&folder.checkpoint(), &measured)?;
+                (last_checkpoint, due) = (Instant::now(), false);
             }
             if finished {
                 return Ok(Outcome::Finished);
@@ -185,16 +213,37 @@ impl Prepared<'_> {
         }
     }
 
-    /// The solver of a checkpoint, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
-    fn resumed(self, folder: &RunFolder) -> Result<Solver, SphError> {
-        let solver = Solver::of_checkpoint(&folder.checkpoint(), self.flow)?;
+    /// The solver of a checkpoint and what its gauges measure, if the case still begins as the run did: its flow is asked for by the checkpoint itself.
+    fn resumed(self, folder: &RunFolder) -> Result<(Solver, String), SphError> {
+        let (solver, measured) = Solver::of_checkpoint(&folder.checkpoint(), self.flow)?;
         if solver.began_with(&self.state) {
-            return Ok(solver);
+            return Ok((solver, measured));
         }
         let message = "the run began with other particles than the fills make; only [time], k_cfl and the output may change: put \
                    the fills back, or start anew in another folder";
         Err(SphError::Checkpoint { file: folder.checkpoint().display().to_string(), message: message.into() })
     }
+}
+
+/// What gauges measure: a line for each, its name and, after a tab, the rest. Names hold no control characters.
+fn measured_by(gauges: &[GaugeSection]) -> String {
+    gauges.iter().map(|gauge| format!("{}\t{}\n", gauge.name, gauge.measured())).collect()
+}
+
+/// Refuses gauges of a name that the table has a column of, which holds something else.
+fn same_gauges(before: &str, gauges: &[GaugeSection], table: &Path) -> Result<(), SphError> {
+    for gauge in gauges {
+        let line = before.lines().filter_map(|line| line.split_once('\t')).find(|(name, _)| *name == gauge.name);
+        let now = gauge.measured();
+        if let Some((name, was)) = line.filter(|(_, was)| *was != now) {
+            let message = format!(
+                "gauge '{name}' is {now}, but was {was} when the table was begun: go on with the gauges that it was begun with, \
+                 or move it away to begin another"
+            );
+            return Err(SphError::Checkpoint { file: table.display().to_string(), message });
+        }
+    }
+    Ok(())
 }
 
 /// All particles with their columns, in the order of their numbers; their mass too, by which amounts are shared out and

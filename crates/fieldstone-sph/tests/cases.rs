@@ -61,7 +61,11 @@ fn what_is_wrong_is_named_with_file_line_and_remedy() {
         ("high = [1.0, 0.5]", "high = [1.1, 0.5]", "c.toml:22: the fill leaves the domain at"),
         ("open = [\"y+\"]", "open = [\"up\"]", "c.toml:8: 'up' is no face"),
         ("gravity = [0.0, -9.81]", "gravity = [0.0]", "c.toml:16: 1 numbers were found; give 2"),
-        ("end = 10.0", "end = 10.0\ncfl = 7", "c.toml:20: the CFL number is 7; it must be above 0 and at most 4"),
+        (
+            "end = 10.0",
+            "end = 10.0\ncfl = 7",
+            "c.toml:20: the CFL number is 7; it must be above 0 and at most 2.1: beyond",
+        ),
         ("open = [\"y+\"]", "periodic = [\"z\"]", "c.toml:8: there is no z in two dimensions; give x or y"),
         ("open = [\"y+\"]", "periodic = [\"x\", \"x\"]", "c.toml:8: x is listed twice"),
         ("open = [\"y+\"]", "open = [\"y+\"]\nperiodic = [\"y\"]", "c.toml:9: y is periodic and has an open face"),
@@ -431,5 +435,35 @@ fn a_front_along_a_period_is_refused() {
     for axis in ["x", "-x", "y"] {
         let error = Case::parse(&with(axis), "c.toml").unwrap_err().to_string();
         assert!(error.contains("c.toml:23: along a periodic axis there is no front"), "{error}");
+    }
+}
+
+#[test]
+fn without_gravity_there_is_none() {
+    let text = shipped("hydrostatic").text().to_string();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.retain(|line| !line.starts_with("gravity"));
+    let case = Case::parse(&lines.join("\n"), "c.toml").unwrap();
+    assert_eq!(case.flow().unwrap().fluid.gravity, [0.0; 3]);
+    assert_eq!(Case::parse(&case.to_toml().unwrap(), "c.toml").unwrap().sections, case.sections);
+}
+
+#[test]
+fn a_gauge_of_pressure_where_no_fluid_comes_is_refused() {
+    let with = |at: &str| {
+        let body = "[[body]]\nshape = \"box\"\nlow = [0.4, -0.2]\nhigh = [0.6, 0.3]\n[[wall]]\nkind = \"plane\"\npoint = [0.9, 0]\n\
+                    normal = [-1, 0]\n";
+        let low = fill([0.0, 0.0], [0.2, 0.5], "");
+        let text = still("[0, -9.81]", &(low + body)).replace("[[wall]]\nkind = \"tank\"\n", "");
+        Case::parse(&format!("{text}[[gauge]]\nname = \"p\"\nkind = \"pressure\"\nat = {at}\n"), "c.toml")
+            .and_then(|c| c.state())
+    };
+    let error = with("[0.5, 0.2]").unwrap_err().to_string();
+    assert!(error.contains("at is [0.5, 0.2], inside body 0, where there is no pressure to measure"), "{error}");
+    assert!(error.contains(": at is") && error.starts_with("c.toml:"), "{error}");
+    let error = with("[0.95, 0.2]").unwrap_err().to_string();
+    assert!(error.contains("at is [0.95, 0.2], behind wall 0"), "{error}");
+    for fine in ["[0.4, 0.2]", "[0.5, 0.3]", "[0.9, 0.1]", "[0.1, 0.1]"] {
+        with(fine).unwrap();
     }
 }

@@ -88,10 +88,10 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     assert!(message.contains("belongs to another flow"), "{message}");
     // What was written before keeps its name, with another version.
     let mut old = good.clone();
-    old[7] = 5;
+    old[7] = 6;
     std::fs::write(&path, &old).unwrap();
     let message = Solver::read_checkpoint(&path, case.flow().unwrap()).unwrap_err().to_string();
-    assert!(message.contains("the checkpoint has format 5, this program reads 6 only: go on with"), "{message}");
+    assert!(message.contains("the checkpoint has format 6, this program reads 7 only: go on with"), "{message}");
     for at in [0, 7, 13, 20, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
         bad[at] ^= 4;
@@ -353,4 +353,35 @@ fn rows_that_a_full_disk_has_cut_are_no_rows() {
         let expected: Vec<&str> = full.lines().filter(|line| *line != last).collect();
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn a_gauge_that_measures_something_else_by_the_same_name_does_not_go_on() {
+    let space = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(space.path()).unwrap();
+    let never = AtomicBool::new(false);
+    let with = |end: f64, gauge: &str| {
+        let text = small(0.02, end).text().to_string() + "\n[[gauge]]\nname = \"g\"\n" + gauge;
+        Case::parse(&text, "c.toml").unwrap()
+    };
+    let level = "kind = \"level\"\nat = [0.05, 0.1]\n";
+    run(&with(0.02, level), &folder, false, &never, |_| ()).unwrap();
+    let before = std::fs::read(folder.gauges()).unwrap();
+    for (other, said) in [
+        ("kind = \"level\"\nat = [0.1, 0.1]\n", "the level at [0.1, 0.1]"),
+        ("kind = \"pressure\"\nat = [0.05, 0.1]\n", "the pressure at [0.05, 0.1]"),
+        ("kind = \"front\"\naxis = \"-x\"\n", "the front along -x"),
+    ] {
+        let error = run(&with(0.04, other), &folder, true, &never, |_| ()).unwrap_err().to_string();
+        assert!(error.contains(&format!("gauge 'g' is {said}, but was the level at [0.05, 0.1] when")), "{error}");
+        assert!(error.contains("gauges.csv") && std::fs::read(folder.gauges()).unwrap() == before);
+    }
+    run(&with(0.03, level), &folder, true, &never, |_| ()).unwrap();
+    // With the table moved away another is begun, whose gauges are those from then on.
+    std::fs::remove_file(folder.gauges()).unwrap();
+    let front = "kind = \"front\"\n";
+    run(&with(0.04, front), &folder, true, &never, |_| ()).unwrap();
+    run(&with(0.05, front), &folder, true, &never, |_| ()).unwrap();
+    let error = run(&with(0.06, level), &folder, true, &never, |_| ()).unwrap_err().to_string();
+    assert!(error.contains("but was the front along x when"), "{error}");
 }

@@ -3,8 +3,10 @@
 
 mod common;
 
-use common::{long, run, state, tank};
-use fieldstone_sph::{Flow, FluidOptions, Shape, Slip, Solver, Viscosity};
+use std::f64::consts::PI;
+
+use common::{alone, long, run, state, tank};
+use fieldstone_sph::{Boundaries, Case, Flow, FluidOptions, Integrator, SHIPPED, Shape, Slip, Solver, Viscosity};
 
 /// The most of the parabola between two walls, over the exact one; the mean of its fit to all particles.
 fn poiseuille(layers: usize, smoothing: f64) -> f64 {
@@ -43,4 +45,172 @@ fn flow_between_walls_is_faster_by_what_the_viscous_sum_lacks() {
             assert!((found * share - 1.0).abs() < 0.01, "{found} of {}", 1.0 / share);
         }
     }
+}
+
+/// A periodic square or cube of `count` particles along each edge, at rest but for a velocity, with nothing but viscosity.
+fn viscous_lattice(
+    (dimension, count, smoothing): (usize, usize, f64),
+    viscosity: f64,
+    velocity: impl Fn([f64; 3]) -> [f64; 3],
+) -> Solver {
+    let edge: [f64; 3] = std::array::from_fn(|k| if k < dimension { count as f64 } else { 0.0 });
+    let mut fluid = FluidOptions::new(dimension, 1.0, 1.0, 0.0);
+    (fluid.density, fluid.smoothing, fluid.gravity) = (1.0, smoothing, [0.0; 3]);
+    fluid.viscosity = Viscosity::Dynamic(viscosity);
+    let mut boundaries = Boundaries::new([0.0; 3], edge, 1.0);
+    boundaries.periodic = std::array::from_fn(|k| k < dimension);
+    let state = state(&[Shape::Box { low: [0.0; 3], high: edge }], &fluid, velocity, |_| 0.0);
+    Solver::new(Flow::new(fluid, boundaries), state).unwrap()
+}
+
+/// Decay −(u·Du/Dt)/(u·u) of a velocity at the start, over ν/h².
+fn decay(of: (usize, usize, f64), velocity: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
+    let mut solver = viscous_lattice(of, 0.3, velocity);
+    let rates = alone(|| solver.accelerations().unwrap());
+    let (product, square) = solver.state().u.iter().zip(&rates).fold((0.0, 0.0), |(p, q), (u, a)| {
+        (p - (0..3).map(|k| u[k] * a[k]).sum::<f64>(), q + u.iter().map(|u| u * u).sum::<f64>())
+    });
+    product / square * of.2 * of.2 / 0.3
+}
+
+#[test]
+fn no_velocity_decays_faster_than_the_largest_eigenvalue_and_layers_against_each_other_do_as_fast() {
+    for of in [(2, 12, 1.3), (2, 12, 1.5), (2, 40, 2.0), (3, 8, 1.3), (3, 20, 2.0)] {
+        let (dimension, count, smoothing) = of;
+        let mut fluid = FluidOptions::new(dimension, 1.0, 1.0, 0.0);
+        fluid.smoothing = smoothing;
+        let largest = fluid.viscous_eigenvalue();
+        // All that repeat within the length, along an edge, with the velocity along it.
+        let waves = (1..=count / 2).map(|m| 2.0 * PI * m as f64 / count as f64);
+        let found = waves.map(|k| decay(of, |x| [(k * (x[0] - 0.5)).cos(), 0.0, 0.0])).fold(0.0, f64::max);
+        println!("d = {dimension}, h/Δx = {smoothing}: {found:.4} of {largest:.4}");
+        assert!(found <= largest * (1.0 + 1e-4), "{found} of {largest}");
+        // Wave numbers of a finite box miss the worst by a little, but not where layers alternate.
+        assert!(found >= largest * if smoothing < 1.7 { 1.0 - 1e-4 } else { 0.99 }, "{found} of {largest}");
+        // Waves at any angle to the lattice, with the velocity at any angle to them.
+        for turn in 0..24u32 {
+            let part = |n: u32| f64::from((turn * n + 3) % 7) - 2.9;
+            let wave = |n: u32| 2.0 * PI * f64::from((turn * n + 5) % count as u32) / count as f64;
+            let (k, u) = ([wave(3), wave(5), wave(11)], [part(2), part(3), if dimension == 3 { part(5) } else { 0.0 }]);
+            let velocity = |x: [f64; 3]| u.map(|u| u * ((0..dimension).map(|a| k[a] * x[a]).sum::<f64>() + 0.7).cos());
+            let found = decay(of, velocity);
+            assert!(found <= largest * (1.0 + 1e-4), "{k:?} {u:?}: {found} of {largest}");
+        }
+    }
+}
+
+#[test]
+fn the_documentation_says_how_fast_the_fastest_decay_is() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/sph.md")).unwrap();
+    let mut rows = 0;
+    for line in text
+        .lines()
+        .skip_while(|line| !line.contains("λ h²/ν in two dimensions"))
+        .skip(2)
+        .take_while(|l| l.starts_with('|'))
+    {
+        let numbers: Vec<f64> = line.split('|').filter_map(|word| word.trim().parse().ok()).collect();
+        let [smoothing, plane, symplectic, runge_kutta, space, symplectic_space, runge_kutta_space] = numbers[..]
+        else {
+            panic!("{line}")
+        };
+        for (dimension, eigenvalue, limits) in
+            [(2, plane, [symplectic, runge_kutta]), (3, space, [symplectic_space, runge_kutta_space])]
+        {
+            let mut fluid = FluidOptions::new(dimension, 0.1, 1.0, 0.0);
+            fluid.smoothing = smoothing;
+            let found = fluid.viscous_eigenvalue();
+            assert!((found - eigenvalue).abs() < 0.006, "{line}: {found}");
+            for (integrator, limit) in [Integrator::Symplectic, Integrator::RungeKutta4].into_iter().zip(limits) {
+                assert!((integrator.viscous_limit(&fluid) - limit).abs() < 6e-5, "{line}");
+            }
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 6);
+}
+
+/// Kinetic energy after steps over that before, and the most of it in between.
+fn left_after(mut solver: Solver, steps: usize) -> (f64, f64) {
+    alone(|| {
+        let start = solver.energies().kinetic;
+        let mut most = 0.0f64;
+        for _ in 0..steps {
+            solver.step().unwrap();
+            most = most.max(solver.energies().kinetic);
+        }
+        (solver.energies().kinetic / start, most / start)
+    })
+}
+
+/// A velocity that differs from particle to particle, without a pattern.
+fn scattered(x: [f64; 3]) -> [f64; 3] {
+    let sum = 12.9898 * x[0] + 78.233 * x[1] + 37.719 * x[2];
+    [1.0, 2.0, 3.0].map(|n: f64| ((sum * n).sin() * 43758.5453).fract() * 0.1)
+}
+
+#[test]
+fn a_viscous_fluid_comes_to_rest_with_both_integrators() {
+    for integrator in [Integrator::Symplectic, Integrator::RungeKutta4] {
+        // ν is 500 h c₀ and more: viscosity bounds the step.
+        for of in [(2, 10, 1.3), (2, 10, 2.0), (3, 8, 1.3), (3, 8, 1.5)] {
+            let still = |factor: Option<f64>| {
+                let velocity =
+                    |x: [f64; 3]| if of.0 == 2 { [scattered(x)[0], scattered(x)[1], 0.0] } else { scattered(x) };
+                let mut solver = viscous_lattice(of, 1e4, velocity);
+                let mut flow = solver.flow().clone();
+                (flow.time_step.integrator, flow.time_step.viscous) = (integrator, factor);
+                solver = Solver::new(flow, solver.state().clone()).unwrap();
+                left_after(solver, 150)
+            };
+            // By the limit itself, too: what is refused begins where it ends.
+            let mut fluid = FluidOptions::new(of.0, 1.0, 1.0, 0.0);
+            fluid.smoothing = of.2;
+            for factor in [None, Some(0.99 * integrator.viscous_limit(&fluid))] {
+                let (left, most) = still(factor);
+                println!("{integrator:?} {of:?} {factor:?}: {left:.3e}");
+                assert!(left < 0.1 && most <= 1.0, "{integrator:?} {of:?} {factor:?}: {left} {most}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_viscous_fluid_between_walls_comes_to_rest_with_both_integrators() {
+    for (integrator, slip, smoothing) in [
+        (Integrator::Symplectic, Slip::No, 2.0),
+        (Integrator::Symplectic, Slip::Free, 2.0),
+        (Integrator::Symplectic, Slip::No, 1.3),
+        (Integrator::RungeKutta4, Slip::No, 2.0),
+    ] {
+        let mut fluid = FluidOptions::new(2, 0.05, 1.0, 0.0);
+        (fluid.smoothing, fluid.gravity, fluid.viscosity) = (smoothing, [0.0; 3], Viscosity::Dynamic(1e4));
+        let block = Shape::Box { low: [0.0; 3], high: [0.5, 0.5, 0.0] };
+        let velocity = |x: [f64; 3]| [scattered(x)[0], scattered(x)[1], 0.0];
+        let state = state(&[block], &fluid, velocity, |_| 0.0);
+        let mut flow = Flow::new(fluid, tank([0.0; 3], [0.5, 1.0, 0.0], &fluid, slip));
+        flow.time_step.integrator = integrator;
+        let (left, most) = left_after(Solver::new(flow, state).unwrap(), 300);
+        println!("{integrator:?} {slip:?} {smoothing}: {left:.3e}");
+        assert!(left < 0.1 && most <= 1.0, "{integrator:?} {slip:?} {smoothing}: {left} {most}");
+    }
+}
+
+#[test]
+fn a_viscous_factor_beyond_the_stable_one_is_refused_with_it() {
+    let text = SHIPPED.iter().find(|case| case.name == "taylor-green").unwrap().text;
+    let with = |keys: &str| Case::parse(&text.replace("end = 1.0", &format!("end = 1.0\n{keys}")), "vortices.toml");
+    let error = with("viscous = 0.125").unwrap_err().to_string();
+    assert!(
+        error.starts_with("vortices.toml:18: the viscous factor of the time step is 0.125; it must be at most 0.1165"),
+        "{error}"
+    );
+    assert!(error.contains("leave it out for 0.0815"), "{error}");
+    assert!(with("viscous = 0.116").is_ok() && with("viscous = 0.125\nintegrator = \"rk4\"").is_ok());
+    let error = with("viscous = 0.17\nintegrator = \"rk4\"").unwrap_err().to_string();
+    assert!(error.contains("at most 0.1622"), "{error}");
+    assert!(with("viscous = -1").unwrap_err().to_string().contains("finite and above 0"));
+    let error = with("cfl = 2.2").unwrap_err().to_string();
+    assert!(error.contains("the CFL number is 2.2; it must be above 0 and at most 2.1"), "{error}");
+    assert!(with("cfl = 2.2\nintegrator = \"rk4\"").is_ok());
 }

@@ -185,3 +185,90 @@ fn check_tells_by_how_much_fills_are_too_heavy() {
     let expected = 100.0 * (52.0 * 0.0025 / (std::f64::consts::PI * 0.04) - 1.0);
     assert!(round.contains(&format!("excess mass          {expected:+.2} %: fills are round")), "{round}");
 }
+
+/// A tank of water, 1 long and 0.24 deep, with a fill and a body as given.
+fn tank(fill: &str, body: &str) -> String {
+    format!(
+        "dimension = 2\nspacing = 0.02\n[domain]\nlow = [-0.2, 0]\nhigh = [1, 0.6]\nopen = [\"y+\"]\n[fluid]\ndensity = 1000\n\
+         expected_speed = 2\nexpected_pressure = 3000\ngravity = [0, -9.81]\n[time]\nend = 0.002\n[[wall]]\nkind = \"tank\"\n\
+         [[fill]]\nshape = \"box\"\n{fill}\npressure = \"hydrostatic\"\n{body}"
+    )
+}
+
+#[test]
+fn a_body_that_ends_at_the_floor_is_told_to_reach_beyond_it() {
+    let folder = Folder::new();
+    let piston = |foot: &str| {
+        let body = format!("[[body]]\nshape = \"box\"\nlow = [-0.1, {foot}]\nhigh = [0.0, 0.5]\n");
+        tank("low = [0, 0]\nhigh = [1, 0.24]", &body)
+    };
+    folder.write("floor.toml", piston("0.0"));
+    folder.write("less.toml", piston("-0.04"));
+    folder.write("beyond.toml", piston("-0.08"));
+    folder.write("gap.toml", piston("0.1"));
+    for (line, reaches) in [("check floor", "0.000e0"), ("run floor", "0.000e0"), ("check less", "4.000e-2")] {
+        let told = folder.succeeds(&format!("sph {line}.toml")).stderr;
+        let expected = format!("warning: body 0 stands on wall 0 (normal [0.0, 1.0]) and reaches {reaches} beyond it");
+        assert!(told.contains(&expected) && told.contains("let it reach 8.000e-2 (2h) beyond"), "{told}");
+    }
+    for fine in ["beyond", "gap"] {
+        let told = folder.succeeds(&format!("sph check {fine}.toml")).stderr;
+        assert!(!told.contains("warning"), "{told}");
+    }
+}
+
+#[test]
+fn a_fill_that_does_not_end_at_its_wall_is_told() {
+    let folder = Folder::new();
+    for (file, low, high) in
+        [("through", -0.2, 1.006), ("short", -0.19, 1.0), ("gap", -0.2, 0.98), ("right", -0.2, 1.0)]
+    {
+        folder.write(&format!("{file}.toml"), tank(&format!("low = [{low}, 0]\nhigh = [{high}, 0.24]"), ""));
+    }
+    for (line, normal) in
+        [("check through", "[-1.0, 0.0]"), ("run through", "[-1.0, 0.0]"), ("check short", "[1.0, 0.0]")]
+    {
+        let told = folder.succeeds(&format!("sph {line}.toml")).stderr;
+        assert!(
+            told.contains("warning: the outermost particles of fill 0 are ") && told.contains("let the fill end"),
+            "{told}"
+        );
+        assert!(told.contains(&format!("from wall 0 (normal {normal}), not half a cell, ")), "{told}");
+    }
+    for fine in ["gap", "right"] {
+        let told = folder.succeeds(&format!("sph check {fine}.toml")).stderr;
+        assert!(!told.contains("warning"), "{told}");
+    }
+}
+
+#[test]
+fn files_that_a_run_has_lost_are_told_when_it_goes_on() {
+    let folder = Folder::new();
+    let case = tank("low = [-0.2, 0]\nhigh = [1, 0.24]", "");
+    folder.write("tank.toml", &case);
+    folder.succeeds("sph run tank.toml");
+    folder.write("tank.toml", case.replace("end = 0.002", "end = 0.004"));
+    std::fs::remove_file(folder.path("tank/gauges.csv")).unwrap();
+    std::fs::remove_file(folder.path("tank/particles_00001.vtp")).unwrap();
+    let told = folder.succeeds("sph run tank.toml --resume").stderr;
+    assert!(told.contains("gauges.csv is gone; another begins at the checkpoint"), "{told}");
+    assert!(told.contains("particles.pvd: 1 of the files that it lists is gone, the first is"), "{told}");
+    assert!(told.contains("particles_00001.vtp; the run goes on without"), "{told}");
+    // Stopped before its first checkpoint: one message says the way out.
+    std::fs::remove_file(folder.path("tank/checkpoint.bin")).unwrap();
+    let told = folder.fails("sph run tank.toml --resume");
+    assert!(
+        told.contains("stopped before its first checkpoint: remove particles_*.vtp, then run without --resume"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_small_case_takes_kilobytes_and_hundredths_of_seconds() {
+    let folder = Folder::new();
+    folder.write("tank.toml", tank("low = [-0.2, 0]\nhigh = [1, 0.24]", ""));
+    let said = folder.succeeds("sph check tank.toml").stdout;
+    let line = |name: &str| said.lines().find(|line| line.starts_with(name)).unwrap_or_default().to_string();
+    assert!(line("memory").ends_with("kB") || line("memory").ends_with("MB"), "{said}");
+    assert!(!line("memory").contains(" 0") && !line("estimated time").ends_with(" 0 s"), "{said}");
+}

@@ -91,6 +91,29 @@ impl Case {
         Ok(flow)
     }
 
+    /// Refuses gauges of pressure where there is none at the start, nor will be: in bodies and behind walls they would read 0.
+    pub(super) fn check_gauges_in_fluid(&self, flow: &Flow) -> Result<(), SphError> {
+        let Flow { fluid, boundaries, .. } = flow;
+        // On a face is not beyond it, rounded or not.
+        let rounding = 1e-6 * fluid.spacing;
+        for (nth, gauge) in self.sections.gauge.iter().enumerate().filter(|(_, g)| g.kind == GaugeKind::Pressure) {
+            let at = gauge.place();
+            let body = boundaries.bodies.iter().position(|body| body.depth(at, 0.0, fluid.dimension) > rounding);
+            let wall = boundaries.walls.iter().position(|wall| wall.plane.distance(at) < -rounding);
+            let place = match (body, wall) {
+                (Some(body), _) => format!("inside body {body}"),
+                (None, Some(wall)) => format!("behind wall {}", self.section_of_wall(wall)),
+                (None, None) => continue,
+            };
+            let at = &at[..fluid.dimension];
+            let message = format!(
+                "at is {at:?}, {place}, where there is no pressure to measure; put it on the face, or before it"
+            );
+            return Err(self.fault("gauge", nth, "at", message));
+        }
+        Ok(())
+    }
+
     fn check_domain(&self) -> Result<(), SphError> {
         let s = &self.sections;
         let (low, high) = (&s.domain.low, &s.domain.high);

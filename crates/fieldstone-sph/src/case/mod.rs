@@ -2,6 +2,7 @@
 
 mod check;
 mod covered;
+mod fit;
 mod flows;
 mod keys;
 mod locate;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 use fieldstone_surface::{Method, SurfaceError, Wall};
 use serde::{Deserialize, Serialize};
 
+pub use fit::{BodyAtWall, FillBesideWall};
 pub use motion::MotionSection;
 pub use prepared::Prepared;
 pub use sections::{
@@ -242,12 +244,11 @@ impl Case {
         fluid.surface_tension = f.surface_tension;
         fluid.tensile_control = f.tensile_control;
         fluid.particle_volume = self.particle_volume()?;
-        fluid.gravity = std::array::from_fn(|k| f.gravity.get(k).copied().unwrap_or(0.0));
-        for (key, vector) in [("gravity", &f.gravity)] {
-            if vector.len() != s.dimension {
-                let message = format!("{} numbers were found; give {}", vector.len(), s.dimension);
-                return Err(self.fault("fluid", 0, key, message));
-            }
+        let gravity = f.gravity.as_deref();
+        fluid.gravity = std::array::from_fn(|k| gravity.and_then(|g| g.get(k)).copied().unwrap_or(0.0));
+        if let Some(found) = gravity.map(<[f64]>::len).filter(|&found| found != s.dimension) {
+            let message = format!("{found} numbers were found; give {}", s.dimension);
+            return Err(self.fault("fluid", 0, "gravity", message));
         }
         let mut flow = Flow::new(fluid, self.boundaries()?);
         flow.time_step = TimeStepOptions {

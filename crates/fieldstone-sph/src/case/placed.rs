@@ -8,6 +8,7 @@ impl Case {
     pub(super) fn placed(&self, error: SphError) -> SphError {
         let (section, nth, key) = match &error {
             SphError::SoundSpeed { .. } => ("fluid", 0, "sound_speed"),
+            SphError::ViscousStep { .. } => ("time", 0, "viscous"),
             SphError::ThinBody { body, .. } | SphError::ThinSurface { body, .. } => ("body", *body, "shape"),
             SphError::CutBody { body, .. } => ("body", *body, "shape"),
             SphError::Overlapping { second, .. } => ("body", *second, "shape"),
@@ -23,7 +24,7 @@ impl Case {
     }
 
     /// Number of the section that a mirror wall comes from.
-    fn section_of_wall(&self, wall: usize) -> usize {
+    pub(super) fn section_of_wall(&self, wall: usize) -> usize {
         let walls = self.sections.wall.iter();
         let ends = walls.scan(0, |end, section| {
             *end += self.planes_of(section).len();

@@ -55,8 +55,8 @@ impl Case {
     /// The particles at the start: each fill's lattice, without what lies in bodies or behind walls.
     ///
     /// # Errors
-    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, nothing is filled, or a fill begins with a pressure or speed
-    /// for which the fluid would be too compressible.
+    /// [`SphError::Case`]: two fills overlap, a fill leaves the domain, nothing is filled, a fill begins with a pressure or speed
+    /// for which the fluid would be too compressible, or a gauge of pressure is in a body or behind a wall.
     pub fn state(&self) -> Result<State, SphError> {
         Ok(self.prepare()?.state)
     }
@@ -108,6 +108,8 @@ impl Case {
                            wall's normal points into the fluid";
             return Err(self.fault("fill", 0, "shape", message));
         }
+        // Where all lies behind a wall, that is what is wrong, not a gauge there.
+        self.check_gauges_in_fluid(flow)?;
         state.id = (0..state.x.len() as u32).collect();
         Ok(state)
     }

@@ -96,8 +96,8 @@ pub struct FluidSection {
     /// σ.
     #[serde(default)]
     pub surface_tension: f64,
-    /// g, 2 or 3 numbers.
-    pub gravity: Vec<f64>,
+    /// g, 2 or 3 numbers; none where absent.
+    pub gravity: Option<Vec<f64>>,
     /// Against tensile instability.
     #[serde(default)]
     pub tensile_control: bool,
@@ -128,13 +128,12 @@ pub enum CaseIntegrator {
 pub struct TimeSection {
     /// When the run ends.
     pub end: f64,
-    /// CFL.
+    /// CFL; 0.25.
     #[serde(default = "cfl")]
     pub cfl: f64,
-    /// Factor of the viscous bound.
-    #[serde(default = "viscous")]
-    pub viscous: f64,
-    /// Factor of the capillary bound.
+    /// Factor of the viscous bound; 0.7 of the largest stable one.
+    pub viscous: Option<f64>,
+    /// Factor of the capillary bound; 0.25.
     #[serde(default = "cfl")]
     pub capillary: f64,
     /// Largest step.
@@ -146,10 +145,6 @@ pub struct TimeSection {
 
 fn cfl() -> f64 {
     0.25
-}
-
-fn viscous() -> f64 {
-    0.125
 }
 
 /// Shapes by name.
@@ -575,6 +570,20 @@ impl GaugeSection {
     pub fn place(&self) -> [f64; 3] {
         let at = self.at.as_deref().unwrap_or_default();
         std::array::from_fn(|k| at.get(k).copied().unwrap_or(0.0))
+    }
+
+    /// What it measures, in words: what a run that goes on has it compared by.
+    pub(crate) fn measured(&self) -> String {
+        let at = self.at.as_deref().unwrap_or_default();
+        match self.kind {
+            GaugeKind::Pressure => format!("the pressure at {at:?}"),
+            GaugeKind::Level => format!("the level at {at:?}"),
+            GaugeKind::Front => {
+                let way = self.axis.unwrap_or_default();
+                format!("the front along {}{}", if way.sign() < 0.0 { "-" } else { "" }, ["x", "y", "z"][way.axis()])
+            }
+            GaugeKind::Force => format!("the force on body {}", self.body.unwrap_or(0)),
+        }
     }
 
     pub(super) fn check(&self, bodies: usize, low: &[f64], high: &[f64]) -> Result<(), Fault> {

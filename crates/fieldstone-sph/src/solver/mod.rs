@@ -73,6 +73,8 @@ pub struct Solver {
     steps: u64,
     last_step: f64,
     fastest: f64,
+    /// C_ν.
+    viscous_factor: f64,
     /// Whether neighbours are to be listed anew at the start of the next step.
     lists_due: bool,
     /// Step from which on the particles are put in order when neighbours are listed.
@@ -160,6 +162,7 @@ impl Solver {
             steps: 0,
             last_step: 0.0,
             fastest: 0.0,
+            viscous_factor: flow.time_step.viscous_factor(&flow.fluid),
             lists_due: true,
             order_due: 0,
             budget: Budget::default(),
@@ -367,14 +370,15 @@ impl Solver {
         let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let fastest = self.state.u.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt();
         let acceleration = self.stage.rates.par_iter().map(|r| square(&r.acceleration)).reduce(|| 0.0, f64::max).sqrt();
-        let allowed = self.flow.time_step.step(&self.flow.fluid, fastest, acceleration);
+        let Flow { fluid, time_step, .. } = &self.flow;
+        let step = |speed, acceleration| time_step.step_with(self.viscous_factor, fluid, speed, acceleration);
+        let allowed = step(fastest, acceleration);
         // A body counts with the fastest that it will be within the step.
         let motions = self.flow.boundaries.bodies.iter().filter_map(|b| b.motion.as_ref());
         let (speed, acceleration) = motions
             .map(|m| m.largest(self.time, self.time + allowed))
             .fold((fastest, acceleration), |(u, a), (v, b)| (u.max(v), a.max(b)));
-        let Flow { fluid, time_step, .. } = &self.flow;
-        let length = time_step.step(fluid, speed, acceleration);
+        let length = step(speed, acceleration);
         StepLength { length, share: time_step.share_of_sound(fluid, speed, length), fastest }
     }
 

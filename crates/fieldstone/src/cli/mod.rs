@@ -19,6 +19,7 @@ mod reproduce;
 mod sph;
 mod sph_checks;
 mod sph_frames;
+mod sph_warnings;
 mod surface;
 mod timing;
 

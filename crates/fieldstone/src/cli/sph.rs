@@ -8,11 +8,11 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
-use fieldstone::sph::{Case, FluidOptions, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver, sound_speed_bound};
+use fieldstone::sph::{Case, Outcome, Phase, Phases, RunFolder, SHIPPED, Solver};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::{outputs, report};
+use super::{outputs, report, sph_warnings};
 
 /// Free-surface flow by smoothed particle hydrodynamics (δ-SPH)
 #[derive(Debug, Args)]
@@ -51,6 +51,10 @@ struct Check {
     /// The case (.toml)
     case: PathBuf,
     /// Write the figures as JSON, too; - is standard output, and the report then goes to standard error
+    ///
+    /// Keys: fluid, ghost and free_surface, numbers of particles; neighbours, the mean within the kernel; time_step, the first;
+    /// steps and seconds to the end, as that step and its cost have it; bytes; excess_mass, of all particles over what the fills'
+    /// shapes hold, and excess_of_fills, of each fill's over the cells of its lattice, as shares.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -105,8 +109,6 @@ struct Figures {
     excess_mass: f64,
     /// By how much those of each fill are heavier than the cells of its lattice.
     excess_of_fills: Vec<f64>,
-    #[serde(skip)]
-    covered_fills: Vec<(usize, usize)>,
 }
 
 impl Check {
@@ -116,11 +118,9 @@ impl Check {
         }
         let case = Case::read(&self.case)?;
         let figures = measure(&case)?;
-        warn_of_uneven_fills(&figures.excess_of_fills);
-        warn_of_covered_fills(&figures.covered_fills);
         let text = format!(
             "fluid                {}\nghost                {}\nfree surface         {}\nneighbours           {:.0}\n\
-             time step            {:.3e}\nsteps                {}\nmemory               {:.2} GB\n\
+             time step            {:.3e}\nsteps                {}\nmemory               {}\n\
              estimated time       {}\n{}",
             figures.fluid,
             figures.ghost,
@@ -128,7 +128,7 @@ impl Check {
             figures.neighbours,
             figures.time_step,
             figures.steps,
-            figures.bytes as f64 / 1e9,
+            memory(figures.bytes),
             duration(figures.seconds),
             if figures.excess_mass.abs() > 1e-9 {
                 format!(
@@ -148,8 +148,8 @@ impl Check {
 
 fn measure(case: &Case) -> anyhow::Result<Figures> {
     let prepared = case.prepare()?;
+    sph_warnings::before(&prepared)?;
     let (excess_mass, excess_of_fills) = (prepared.excess_mass()?, prepared.excess_of_fills()?);
-    let covered_fills = prepared.covered_fills()?;
     let mut solver = prepared.solver()?;
     // Counted by the exact detection, whichever the case uses.
     let labels = solver.labels(&fieldstone::surface::Exact::default())?;
@@ -173,35 +173,17 @@ fn measure(case: &Case) -> anyhow::Result<Figures> {
         seconds: steps * seconds,
         excess_mass,
         excess_of_fills,
-        covered_fills,
     })
 }
 
-/// Excess of a fill's particles over their cells from which on the pressure is too far off to keep silent.
-const UNEVEN: f64 = 0.005;
-
-fn warn_of_uneven_fills(excess: &[f64]) {
-    for (nth, &excess) in excess.iter().enumerate().filter(|(_, excess)| excess.abs() > UNEVEN) {
-        report::warn(&format!(
-            "the particles of fill {nth} are {:.1} % too {} for the lattice it is divided into, and the pressure in it errs: give all \
-             fills lengths of a whole number of spacings, or another spacing",
-            100.0 * excess.abs(),
-            if excess > 0.0 { "heavy" } else { "light" },
-        ));
-    }
-}
-
-fn warn_of_covered_fills(covered: &[(usize, usize)]) {
-    for (nth, above) in covered {
-        report::warn(&format!(
-            "fill {nth} is hydrostatic from its own top on, but fill {above} lies upon it: the pressure begins without its weight; \
-             give fill {nth} surface, the level of the water at rest above it"
-        ));
-    }
-}
-
 fn duration(seconds: f64) -> String {
-    if seconds < 120.0 {
+    if seconds < 0.01 {
+        "less than 0.01 s".into()
+    } else if seconds < 1.0 {
+        format!("{seconds:.2} s")
+    } else if seconds < 10.0 {
+        format!("{seconds:.1} s")
+    } else if seconds < 120.0 {
         format!("{seconds:.0} s")
     } else if seconds < 7200.0 {
         format!("{:.0} min", seconds / 60.0)
@@ -210,13 +192,23 @@ fn duration(seconds: f64) -> String {
     }
 }
 
+fn memory(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    if bytes < 1e6 {
+        format!("{:.0} kB", bytes / 1e3)
+    } else if bytes < 1e9 {
+        format!("{:.1} MB", bytes / 1e6)
+    } else {
+        format!("{:.2} GB", bytes / 1e9)
+    }
+}
+
 impl Run {
     fn run(self) -> anyhow::Result<()> {
         let case = Case::read(&self.case)?;
         // What cannot start leaves no folder behind.
         let prepared = case.prepare()?;
-        warn_of_uneven_fills(&prepared.excess_of_fills()?);
-        warn_of_covered_fills(&prepared.covered_fills()?);
+        sph_warnings::before(&prepared)?;
         let fluid = prepared.flow().fluid;
         let again = self.resume_command();
         let folder = self.out.unwrap_or_else(|| default_folder(&self.case));
@@ -235,16 +227,23 @@ impl Run {
                 frame.display()
             );
         }
+        if self.resume {
+            sph_warnings::of_lost_files(&files)?;
+        }
         let interrupt = stop_on_ctrl_c()?;
         let bar = progress()?;
         let mut last = None;
         let start = Instant::now();
         let mut first_time = None;
         let mut densest = 0.0f64;
+        let mut energies = None;
         let outcome = prepared.run(&files, self.resume, &interrupt, |solver| {
             let first = *first_time.get_or_insert(solver.time());
             show(&bar, solver, case.sections.time.end, first, start);
             densest = solver.state().density.iter().fold(densest, |most, &density| most.max(density));
+            if solver.time() >= case.sections.time.end || interrupt.load(Ordering::Relaxed) {
+                energies = Some((solver.energy_residual(), solver.energies().kinetic));
+            }
             last = Some((*solver.phases(), solver.state().len(), *solver.budget(), solver.fastest(), solver.steps()));
         })?;
         bar.finish_and_clear();
@@ -256,8 +255,10 @@ impl Run {
             }
             text.push_str(&format!("largest speed        {fastest:.4}\n"));
             report::print(&text)?;
-            if let Some(warning) = too_compressible(&fluid, fastest, fluid.pressure(densest).max(0.0)) {
-                report::warn(&warning);
+            if let Some(warning) = sph_warnings::too_compressible(&fluid, fastest, fluid.pressure(densest).max(0.0)) {
+                let unstable =
+                    energies.and_then(|(residual, kinetic)| sph_warnings::unstable(fastest, residual, kinetic));
+                report::warn(&unstable.unwrap_or(warning));
             }
             if budget.in_bodies > 0 {
                 report::warn(&format!(
@@ -288,43 +289,6 @@ impl Run {
         }
         command
     }
-}
-
-/// By how much the speed of sound that speeds and pressures ask for may be above the given one.
-const SLACK: f64 = 1.1;
-
-/// Speed over that of sound from which the density varies by some percent, whatever was expected.
-const TOO_FAST: f64 = 0.25;
-
-/// What to say of a flow whose largest speed or pressure breaks the bound of Eq. 3, and what to write into the case.
-fn too_compressible(fluid: &FluidOptions, speed: f64, pressure: f64) -> Option<String> {
-    let given = fluid.sound_speed;
-    let (by_speed, by_pressure) =
-        (sound_speed_bound(fluid.density, speed, 0.0), sound_speed_bound(fluid.density, 0.0, pressure));
-    let needed = by_speed.max(by_pressure);
-    if needed <= SLACK * given {
-        return None;
-    }
-    let (mut found, mut keys) = (Vec::new(), Vec::new());
-    if by_speed > SLACK * given {
-        found.push(format!("particles were as fast as {speed:.4}"));
-        keys.push(format!("expected_speed = {speed:.3}"));
-    }
-    if by_pressure > SLACK * given {
-        found.push(format!("the pressure rose to {pressure:.0}"));
-        keys.push(format!("expected_pressure = {pressure:.0}"));
-    }
-    let effect = if speed > TOO_FAST * given {
-        "the fluid was compressible"
-    } else {
-        "the density varies by more than 1 %, unless a few drops that splash are all it is about"
-    };
-    Some(format!(
-        "{}, which asks for a speed of sound of {needed:.3} (Eq. 3), with a speed of sound of {given}: {effect}; write {} into [fluid], \
-         and leave out sound_speed or raise it to the bound",
-        found.join(", and "),
-        keys.join(" and "),
-    ))
 }
 
 fn default_folder(case: &Path) -> PathBuf {
