@@ -1,5 +1,7 @@
 //! Columns by the names that files have for them, parcels, and particles without velocities, on the command line.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use fieldstone::io::{CsvTable, vtk};
