@@ -1,5 +1,7 @@
 //! Parcels that stand for many particles: the fields are those of the particles.
 
+#![allow(clippy::unwrap_used)]
+
 use fieldstone_fields::{
     CoarseGraining, CoarseGrainingOptions, FieldName, Fields, FieldsError, Function, Kernel, KernelShape, Method,
     ParcelWeight, QuantityKind, UserQuantity,

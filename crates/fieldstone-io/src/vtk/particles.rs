@@ -201,6 +201,21 @@ mod tests {
     }
 
     #[test]
+    fn the_arrays_of_dualsphysics_have_their_meaning_and_are_found_by_their_own_names() {
+        let arrays = vec![
+            DataArray::floats("Vel", 3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+            DataArray::scalar("Rhop", vec![998.0, 999.0]),
+            DataArray::integers("Type", vec![0, 3]),
+        ];
+        let p = two(arrays).to_particles().unwrap();
+        assert_eq!((p.quantity("density").unwrap().data[1], p.types().unwrap()), (999.0, &[0, 3][..]));
+        assert_eq!(p.quantity("velocity").unwrap().data, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        for (name, value) in [("Vel[2]", 5.0), ("velocity[2]", 5.0), ("Rhop", 999.0), ("Type", 3.0)] {
+            assert_eq!(p.column(name).unwrap().data[1], value, "{name}");
+        }
+    }
+
+    #[test]
     fn two_names_of_the_velocity_do_not_overwrite_each_other() {
         let arrays = vec![DataArray::floats("v", 3, vec![1.0; 6]), DataArray::floats("velocity", 3, vec![2.0; 6])];
         let p = two(arrays).to_particles().unwrap();

@@ -282,7 +282,8 @@ impl Run<'_> {
         if let Some(particles) = outcome.particles.take() {
             let fields = &outcome.fields.fields;
             let names = fields.iter().map(|field| (particle_field(field), field.components.clone())).collect();
-            contents.push(Content::Particles(self.at_particles(cells, particles, &outcome.fields)?, names));
+            let particles = self.at_particles(cells, particles, &outcome.fields)?;
+            contents.push(Content::Particles(Box::new(particles), names));
         }
         Ok(contents)
     }

@@ -142,7 +142,7 @@ struct Side<'a> {
 pub(super) enum Content {
     Faces(FaceFields),
     /// With the names of the fields' components.
-    Particles(Particles, Vec<(String, Vec<String>)>),
+    Particles(Box<Particles>, Vec<(String, Vec<String>)>),
 }
 
 impl Content {
