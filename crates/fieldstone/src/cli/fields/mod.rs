@@ -146,7 +146,7 @@ impl Run<'_> {
             CellSet::Cylinder(grid) => self.on_cells(grid, None, job)?,
         };
         // A run that is refused needs no more said of it.
-        note.iter().chain(&series.warnings()).for_each(|warning| report::warn(warning));
+        note.iter().chain(series.warnings()).for_each(|warning| report::warn(warning));
         if let Some(path) = &self.settings.json {
             account.write(path, begin.elapsed().as_secs_f64())?;
         }
