@@ -21,12 +21,17 @@ pub(crate) fn parts_of_cloud(path: &Path) -> Vec<PathBuf> {
         let case = if case.as_os_str().is_empty() { Path::new(".") } else { case };
         let parts = processors(case).into_iter().map(|(_, folder)| folder.join(below));
         // A processor without particles may have no cloud.
-        let parts: Vec<PathBuf> = parts.filter(|part| part.is_dir()).collect();
+        let parts: Vec<PathBuf> = parts.filter(|part| may_hold_a_cloud(part)).collect();
         if !parts.is_empty() {
             return parts;
         }
     }
     Vec::new()
+}
+
+fn may_hold_a_cloud(folder: &Path) -> bool {
+    let is_lagrangian = |path: &Path| path.file_name().is_some_and(|name| name == "lagrangian");
+    folder.is_dir() && (folder.ancestors().any(is_lagrangian) || folder.join("lagrangian").is_dir())
 }
 
 /// Reads the parts of a cloud as one: the particles of the first part, then those of the second, and so on.
