@@ -202,7 +202,7 @@ fn a_viscous_factor_beyond_the_stable_one_is_refused_with_it() {
     let with = |keys: &str| Case::parse(&text.replace("end = 1.0", &format!("end = 1.0\n{keys}")), "vortices.toml");
     let error = with("viscous = 0.125").unwrap_err().to_string();
     assert!(
-        error.starts_with("vortices.toml:18: the viscous factor of the time step is 0.125; it must be at most 0.1165"),
+        error.starts_with("vortices.toml:20: the viscous factor of the time step is 0.125; it must be at most 0.1165"),
         "{error}"
     );
     assert!(error.contains("leave it out for 0.0815"), "{error}");
