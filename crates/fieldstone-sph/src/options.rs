@@ -185,7 +185,7 @@ pub enum Integrator {
 /// use fieldstone_sph::{FluidOptions, TimeStepOptions};
 /// let fluid = FluidOptions::new(2, 0.01, 1.0, 0.0);
 /// let mut options = TimeStepOptions::default();
-/// assert!((options.viscous_factor(&fluid) - 0.0815).abs() < 1e-4);
+/// assert!((options.viscous_factor(&fluid) - 0.0757).abs() < 1e-4);
 /// options.viscous = Some(0.125);
 /// let error = options.validate(&fluid).unwrap_err().to_string();
 /// assert!(error.starts_with("the viscous factor of the time step is 0.125; it must be at most 0.1165,"), "{error}");
@@ -199,7 +199,7 @@ pub struct TimeStepOptions {
     /// Beyond, waves of sound grow whatever damps them. In a dam break symplectic steps were unstable from 0.75 on, those of Runge and
     /// Kutta from 2.5 on, and lost energy at 0.5 and 2.
     pub cfl: f64,
-    /// C_ν; where absent, 0.7 of the [largest stable one](Integrator::viscous_limit), which is the most that is allowed.
+    /// C_ν; where absent, 0.65 of the [largest stable one](Integrator::viscous_limit), which is the most that is allowed.
     pub viscous: Option<f64>,
     /// C_σ, 0.25; at most 4. Where it becomes unstable is not known: it hangs on the surface's shape.
     pub capillary: f64,

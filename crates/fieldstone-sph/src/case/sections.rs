@@ -131,7 +131,7 @@ pub struct TimeSection {
     /// CFL; 0.25.
     #[serde(default = "cfl")]
     pub cfl: f64,
-    /// Factor of the viscous bound; 0.7 of the largest stable one.
+    /// Factor of the viscous bound; 0.65 of the largest stable one.
     pub viscous: Option<f64>,
     /// Factor of the capillary bound; 0.25.
     #[serde(default = "cfl")]
