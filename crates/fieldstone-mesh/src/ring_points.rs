@@ -11,6 +11,9 @@ const FEWEST: f64 = 8.0;
 /// Most points around a circle: closer together, their angles would round to one.
 const MOST: f64 = 1e15;
 
+/// Share of a radius that rounding may take.
+const ROUNDING: f64 = 1e-12;
+
 impl CylinderGrid {
     /// Calls `visit` with the points in a box that stand for rings, with the ring's cell and the share of the point in it.
     ///
@@ -49,6 +52,10 @@ impl CylinderGrid {
             let z = 0.5 * (self.height(k) + self.height(k + 1));
             for i in self.shells(near, far) {
                 let s = 0.5 * (self.radius(i) + self.radius(i + 1));
+                // A box that holds the axis is seen under all angles, also by circles that it does not reach.
+                if !(near * (1.0 - ROUNDING)..=far * (1.0 + ROUNDING)).contains(&s) {
+                    continue;
+                }
                 let count = (TAU * s / spacing).ceil().clamp(FEWEST, MOST) as i64;
                 let share = 1.0 / count as f64;
                 for n in numbers(seen, count) {

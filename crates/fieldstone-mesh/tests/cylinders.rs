@@ -230,3 +230,12 @@ fn the_points_of_rings_in_a_box_are_those_of_all_points_that_lie_in_it() {
     }
     assert!(found_any > 500 && around_axis > 50, "{found_any} boxes with points, {around_axis} around the axis");
 }
+
+#[test]
+fn a_box_on_the_axis_asks_no_point_of_circles_that_are_wider_than_it() {
+    let rings = CylinderGrid::new(2, [0.0; 3], [0.0, 2.0], [0.0, 1.0], [2, 1, 1]).unwrap();
+    let mut points = 0;
+    // Of some 10¹² points around the inner circle.
+    rings.for_each_ring_point([-1e-11; 3], [1e-11, 1e-11, 1.0], 3e-12, |_, _, _| points += 1);
+    assert_eq!(points, 0);
+}
