@@ -103,5 +103,9 @@ fn the_cloud_of_a_decomposed_case_is_read_processor_by_processor() {
         );
     }
     folder.succeeds("fields --particles dec/0.02 --grid 0,2,0,2,0,2 --cells 1 --fields density --out a.vti");
+    // Columns keep the names that the parts have for them.
+    let named =
+        "fields --particles dec/0.02 --grid 0,2,0,2,0,2 --cells 1 --fields density --quantity size=d:sum --out d.vti";
+    folder.succeeds(named);
     mentions(&folder.fails("info dec/0.04"), &["dec/0.04: cannot open"]);
 }

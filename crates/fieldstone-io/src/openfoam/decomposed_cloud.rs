@@ -74,5 +74,5 @@ fn joined(before: &Particles, after: &Particles, part: &Path) -> Result<Particle
         let data = [&a.data[..], &b.data[..]].concat();
         whole = whole.with_quantity(Quantity { name: a.name.clone(), components: a.components, data }).map_err(wrap)?;
     }
-    Ok(whole.at(None, after.time().or(before.time())))
+    Ok(whole.at(None, after.time().or(before.time())).with_source_names_of(before))
 }

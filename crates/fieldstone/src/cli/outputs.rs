@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use fieldstone::io::{AtomicFile, openfoam};
 use fieldstone::mesh::{Cells, Mesh};
-
 use serde::Serialize;
 
 use super::report;
