@@ -25,8 +25,13 @@ fn both(kind: ElementKind, corners: &[[f64; 3]]) -> (Polyhedron, DecompositionEl
     (element(kind, corners), other.unwrap())
 }
 
+/// How many pairs are drawn.
+fn pairs() -> usize {
+    std::env::var("FIELDSTONE_PAIRS").map_or(100_000, |n| n.parse().unwrap())
+}
+
 fn agree(kind: ElementKind, seed: u64) {
-    let pairs = std::env::var("FIELDSTONE_PAIRS").map_or(100_000, |n| n.parse::<usize>().unwrap());
+    let pairs = pairs();
     let mut random = Random(seed);
     let (mut partial, mut worst, mut worst_area, mut worst_at) = (0, 0.0f64, 0.0f64, String::new());
     let mut drawn = 0;
@@ -86,7 +91,7 @@ fn kernel_and_decomposition_agree_on_random_hexahedra() {
 
 /// As [`agree`] for centres within ulps of an edge or a corner, as far off as rounding puts what is meant to be on it.
 fn agree_at_edges(kind: ElementKind, seed: u64) {
-    let pairs = std::env::var("FIELDSTONE_PAIRS").map_or(100_000, |n| n.parse::<usize>().unwrap());
+    let pairs = pairs();
     let mut random = Random(seed);
     let (mut worst, mut worst_area, mut worst_at) = (0.0f64, 0.0f64, String::new());
     let mut drawn = 0;
